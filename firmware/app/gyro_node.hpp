@@ -79,11 +79,11 @@ class GyroNode {
   /// @param params must pass check() and outlive the node
   constexpr explicit GyroNode(const Params& params)
       : params_(params),
+        pace_(pace_of(params)),
         learning_(params.standstill, params.odometer, params.model.modes.tick,
                   params.model.sample_period, params.model.white_variance_rad2_s2),
         ticks_(params),
-        turn_(params),
-        pace_(pace_of(params)) {
+        turn_(params) {
     ZERORATE_ASSERT(check(params).has_value());
   }
 
@@ -389,10 +389,10 @@ class GyroNode {
   }
 
   const Params& params_;
+  std::int32_t pace_;  ///< cost units of the work of a sample
   Learning learning_;
   Ticks ticks_;
   Turn turn_;
-  std::int32_t pace_;        ///< cost units of the work of a sample
   std::int32_t credit_ = 0;  ///< cost units that may be spent; negative: spent in advance
   bool odometer_fault_ = false;
 };

@@ -80,7 +80,7 @@
     (56 + (ZERORATE_HYPOTHESES * (24 + (12 * ZERORATE_AXES) + (4 * ZERORATE_DECAYING_MODES))))) + \
    (ZERORATE_AXES *                                                                               \
     ((896 * ZERORATE_HAS_MOVING_AVERAGE) + (42 * ZERORATE_HAS_CALIBRATION_MEAN))) +               \
-   (380 * ZERORATE_TAKES_REFERENCES))
+   (364 * ZERORATE_TAKES_REFERENCES))
 /** Bytes that zerorate_save() writes. */
 #define ZERORATE_SNAPSHOT_BYTES                                                               \
   (88 + (12 * ZERORATE_AXES) + ZERORATE_TICK_INPUT_BYTES + (48 * ZERORATE_TAKES_REFERENCES) + \
