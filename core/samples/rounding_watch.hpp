@@ -152,7 +152,7 @@ class RoundingWatch {
   }
   constexpr void take_change(float change) {
     const bool is_least = state_.changes == 0 || change < state_.least_change_rad_s;
-    if (!is_least && state_.changes == kFewestChanges) return;  // what most changes are
+    if (!is_least && state_.changes == kFewestChanges) return;  // most changes are so
     const float step = step_rad_s();
     if (state_.changes < kFewestChanges) ++state_.changes;
     if (is_least) state_.least_change_rad_s = change;

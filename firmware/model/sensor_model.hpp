@@ -102,7 +102,7 @@ enum class InputQuantity : std::uint8_t {
   temperature_rate
 };
 
-/// What becomes of an acceleration or a vibration in a node that reads no accelerometer.
+/// Treatment of an acceleration or a vibration by a node that reads no accelerometer.
 enum class WithoutAccelerometer : std::uint8_t {
   flag,   ///< the share of the bias is missed, and flagged
   ignore  ///< the model has no such share: for the model of a chip, with or without its

@@ -210,7 +210,7 @@ TEST(NodeModelThatFollowsTheTemperature, NeedsANodeThatDoes) {
   EXPECT_THROW((void)(make_node_model<kSixDecades>(model, kSample, kTick)), std::invalid_argument);
 }
 
-TEST(InputThatIsIgnoredWithoutAccelerometer, CountsInANodeThatReadsOne) {
+TEST(InputIgnoredWithoutAccelerometer, CountsWhereOneIsRead) {
   SensorModel model = find_model("lsm6dso");
   model.inputs = {{.quantity = InputQuantity::vibration,
                    .without_accelerometer = WithoutAccelerometer::ignore,
