@@ -102,7 +102,7 @@ class Instance {
   std::uint32_t sensor_id_;
 };
 static_assert(sizeof(Instance) <= sizeof(zerorate_node));
-static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 72, "bytes wasted");
+static_assert(sizeof(void*) < 8 || sizeof(zerorate_node) <= sizeof(Instance) + 64, "bytes wasted");
 static_assert(alignof(Instance) <=
               alignof(zerorate_node));  // NOLINT(misc-redundant-expression): not everywhere equal
 static_assert(std::is_trivially_destructible_v<Instance>);  // zerorate_init() may be called again
