@@ -134,13 +134,13 @@ class GyroNode {
     RateMessage message{.time = sample.time};
     const bool refused = refuse(sample, message.health);
     const core::Duration since_last = since_newest_sample(sample.time);
-    const Rate rate = refused ? Rate{} : params_.model.corrected(sample.rate);
+    const Rate rate = refused ? kNoRate : params_.model.corrected(sample.rate);
     if (!refused) take_in(sample, rate);
     message.motion = motion();
     if (sample.has_temperature) message.temperature = sample.temperature;
     message.health.saturated =
         sample.saturated_axes != 0 || ticks_.screening().is_saturated(rates_of(sample));
-    describe(message, refused ? Rate{} : sample.rate, rate);
+    describe(message, refused ? kNoRate : sample.rate, rate);
     if (!refused) turn_.add(message, since_last, sample.saturated_axes, is_learning(), ticks_);
     turn_.describe({}, message);
     return message;
@@ -255,6 +255,7 @@ class GyroNode {
   using Rate = std::array<core::AngularRate, 3>;
   using Rates = std::array<float, kAxes>;
 
+  static constexpr Rate kNoRate{};
   static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
 
   [[nodiscard]] static constexpr std::int32_t pace_of(const Params& params) {
