@@ -152,7 +152,7 @@ class RoundingWatch {
   }
   constexpr void take_change(float signed_change) {
     const float change = signed_change < 0.0F ? -signed_change : signed_change;
-    // As most changes are.
+    // Most changes end here.
     if (state_.changes == kFewestChanges && change >= state_.least_change_rad_s) return;
     if (change == 0.0F) return;
     const float step = step_rad_s();

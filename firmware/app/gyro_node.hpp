@@ -254,7 +254,6 @@ class GyroNode {
  private:
   using Rate = std::array<core::AngularRate, 3>;
   using Rates = std::array<float, kAxes>;
-
   static constexpr Rate kNoRate{};
   static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
 
