@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kFewestForWhittle = 64;
 constexpr std::size_t kFewestFrequencies = 8;
 constexpr double kBinsPerDecade = 12.0;
+constexpr double kOrderOfSensors = 0.5;  ///< where the record has no say
 
 double seconds(core::Duration duration) {
   return static_cast<double>(duration.ns()) * 1e-9;
@@ -70,7 +71,7 @@ std::vector<StartValues> start_values(const InnovationsLikelihood& likelihood,
                                       double shortest_s) {
   const StartValues rough = rough_start(ticks, axis, even.sample_period_s);
   if (even.rate_rad_s.size() < kFewestForWhittle) return {rough};
-  const StartValues whittle = whittle_start(even, rough, order.value_or(0.5));
+  const StartValues whittle = whittle_start(even, rough, order.value_or(kOrderOfSensors));
   const bool is_likely = minus_two_log(likelihood, whittle, shortest_s) <=
                          minus_two_log(likelihood, rough, shortest_s);
   std::vector<StartValues> starts{is_likely ? whittle : rough};
@@ -160,7 +161,8 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
                                        std::size_t axis, const CharacterizeOptions& options) {
   const EvenRecord even_ticks = longest_even_ticks(ticks, tick, axis);
   AxisCharacterization result{.axis = samples.axis_name(axis)};
-  const PreparedFit prepared = prepare_fit({ticks, samples.mean_period, tick, axis}, options.order);
+  PreparedFit prepared = prepare_fit({ticks, samples.mean_period, tick, axis}, options.order);
+  prepared.options.of = FitOf::noise;
   const double shortest_s = prepared.options.shortest_time_constant_s;
   result.fit = fit_by_innovations(prepared.likelihood, prepared.options);
   result.coefficients = fit_coefficients(prepared.likelihood, result.fit, shortest_s);
@@ -185,6 +187,37 @@ double slow_noise(const AxisCharacterization& axis) {
   const double white = axis.model.white.angle_random_walk_rad_per_sqrt_s;
   return model_density(axis.model, kSlowHz) - white * white;
 }
+
+/// Whether the flicker noise of an axis is stronger than its white noise at the tick, by Whittle's
+/// fit.
+bool hides_white_noise(const std::vector<TickMean>& ticks, core::Duration tick, std::size_t axis,
+                       std::optional<double> order) {
+  const EvenRecord even = longest_even_ticks(ticks, tick, axis);
+  if (even.rate_rad_s.size() < kFewestForWhittle) return false;
+  const WhiteFlickerFit fit =
+      fit_white_flicker(even.rate_rad_s, {.order = order.value_or(kOrderOfSensors)});
+  return fit.flicker && fit.flicker->innovation_variance.value > fit.white_variance.value;
+}
+
+/// Tick means from which white noise and flicker noise can be separated: where flicker noise is the
+/// stronger one, the tick is halved, down to the sample period.
+struct Ticks {
+  core::Duration tick;
+  std::vector<TickMean> means;
+
+  Ticks(const RestSamples& samples, const CharacterizeOptions& options)
+      : tick(identification_tick(samples)), means(average_ticks(samples, tick)) {
+    constexpr std::size_t kMostTicks = 131'072;
+    const auto hides = [&](std::size_t axis) {
+      return hides_white_noise(means, tick, axis, options.order);
+    };
+    while (tick / 2 >= samples.mean_period && 2 * means.size() <= kMostTicks &&
+           std::ranges::any_of(options.axes, hides)) {
+      tick = tick / 2;
+      means = average_ticks(samples, tick);
+    }
+  }
+};
 
 }  // namespace
 
@@ -227,6 +260,7 @@ core::Duration identification_tick(const RestSamples& samples) {
 }
 
 Characterization characterize(const RestSamples& samples, const CharacterizeOptions& options) {
+  const auto [tick, ticks] = Ticks(samples, options);
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,
                           .rows_moving = samples.moving,
@@ -234,8 +268,7 @@ Characterization characterize(const RestSamples& samples, const CharacterizeOpti
                           .rows_wild = samples.wild,
                           .findings = samples.findings,
                           .sample_period = samples.mean_period,
-                          .tick = identification_tick(samples)};
-  const std::vector<TickMean> ticks = average_ticks(samples, result.tick);
+                          .tick = tick};
   result.ticks = ticks.size();
   result.rest_s = static_cast<double>(ticks.size()) * seconds(result.tick);
   for (const std::size_t axis : options.axes) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/lib/identify/minimise.hpp"
+#include "host_tools/lib/identify/quasi_likelihood.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/half_width.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -28,6 +29,9 @@ constexpr double kRoom = 7.0;
 /// Distance from the ends of its range that a search for d keeps, so that the logit stays finite;
 /// less than that of kOrderLimit.
 constexpr double kEdge = 0.006;
+/// Steps of log N and log flicker, where a record has no information.
+constexpr double kLongestStep = 0.08;
+constexpr double kLongestFlickerStep = 0.8;
 /// 1 % point of chi squared with one degree of freedom.
 constexpr double kContradiction = 6.634896601021213;
 
@@ -171,6 +175,21 @@ class Fitter {
                        {with_order(peak.theta, logit_of), peak.minus_two_log}, std::move(steps))};
   }
 
+  /// What the options ask for.
+  [[nodiscard]] Maximum as_asked(Maximum maximum) const {
+    if (options_.of == FitOf::filter) return maximum;
+    const auto model_at = [&](const Eigen::VectorXd& theta) {
+      return maximum.parameters.model(with_order(theta, order_of));
+    };
+    const Eigen::Vector3d steps{kLongestStep, kLongestFlickerStep, 1.8};
+    const FittedParameters noise =
+        noise_of_filter_fit(model_at, {with_order(maximum.theta, logit_of), maximum.covariance},
+                            TickSampling::of(longest(), ticks()), steps.head(maximum.theta.size()));
+    maximum.theta = with_order(noise.at, order_of);
+    maximum.covariance = noise.covariance;
+    return maximum;
+  }
+
  private:
   [[nodiscard]] Place at(const StartValues& start, double order, bool order_is_free) const {
     const double white = start.angle_random_walk_rad_per_sqrt_s;
@@ -225,9 +244,8 @@ class Fitter {
       return 2.0 / (white + flicker) *
              Eigen::Vector3d(white, flicker, -flicker * log_ratio).head(size);
     };
-    double ticks = 0.0;
-    for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
-    return independent_steps(slopes, {tick_s(), ticks}, Eigen::Vector3d(0.08, 0.8, 0.4).head(size));
+    return independent_steps(slopes, {tick_s(), ticks()},
+                             Eigen::Vector3d(kLongestStep, kLongestFlickerStep, 0.4).head(size));
   }
   [[nodiscard]] Objective objective(const Parameters& parameters) const {
     return [this, parameters](const Eigen::VectorXd& theta) {
@@ -235,6 +253,11 @@ class Fitter {
     };
   }
   [[nodiscard]] double tick_s() const { return units::seconds(longest().tick().ns()); }
+  [[nodiscard]] double ticks() const {
+    double ticks = 0.0;
+    for (const InnovationsLikelihood& one : likelihoods_) ticks += static_cast<double>(one.ticks());
+    return ticks;
+  }
   [[nodiscard]] const InnovationsLikelihood& longest() const {
     return *std::ranges::max_element(likelihoods_, {}, &InnovationsLikelihood::ticks);
   }
@@ -280,7 +303,7 @@ FittedFlicker flicker_of(const Maximum& maximum, OrderSource source) {
 
 /// Fit of the given order.
 Maximum keep_order(const Fitter& fitter, const Peak& given, std::optional<FittedFlicker>& flicker) {
-  Maximum maximum = fitter.with_errors(given);
+  Maximum maximum = fitter.as_asked(fitter.with_errors(given));
   flicker = flicker_of(maximum, OrderSource::given);
   return maximum;
 }
@@ -291,17 +314,17 @@ Maximum choose_order(const Fitter& fitter, const Peak& prior,
   const Peak free = fitter.peak_of_free_order();
   const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
   if (contradicts && free.parameters.order_at(free.theta) > kOrderLimit) {
-    Maximum at_limit = fitter.with_errors(fitter.peak_from(free, kHighestOrder));
+    Maximum at_limit = fitter.as_asked(fitter.with_errors(fitter.peak_from(free, kHighestOrder)));
     flicker = flicker_of(at_limit, OrderSource::limit);
     return at_limit;
   }
-  Maximum with_order = fitter.with_errors(free);
+  Maximum with_order = fitter.as_asked(fitter.with_errors(free));
   const IntervalEstimate order = with_order.order();
   if (contradicts || order.hi - order.lo <= kWidestOrderInterval) {
     flicker = flicker_of(with_order, OrderSource::estimated);
     return with_order;
   }
-  Maximum of_prior = fitter.with_errors(prior);
+  Maximum of_prior = fitter.as_asked(fitter.with_errors(prior));
   flicker = flicker_of(of_prior, OrderSource::prior);
   flicker->rejected_order = order;
   return of_prior;
@@ -355,8 +378,9 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
   fit.p_value = p_value_at_edge(fit.likelihood_ratio);
   if (fit.p_value > options.significance) return fit;
   if (!options.order) {
-    fit.of_prior = {std::exp(peak.theta(0)),
-                    std::exp(peak.parameters.log_bias_instability(peak.theta))};
+    const Maximum prior = fitter.as_asked({peak, Eigen::Matrix2d::Zero()});
+    fit.of_prior = {std::exp(prior.theta(0)),
+                    std::exp(prior.parameters.log_bias_instability(prior.theta))};
   }
 
   const auto maximum_of = options.order ? keep_order : choose_order;

@@ -68,6 +68,12 @@ struct StartValues {
   double order = 0.5;
 };
 
+/// What the parameters of a fit describe.
+enum class FitOf {
+  filter,  ///< the node's filter, which is likeliest with them
+  noise    ///< the noise that the filter comes near, see noise_of_filter_fit()
+};
+
 struct InnovationsFitOptions {
   /// At least one. A fit of a given order begins with the first, that of a free order with the
   /// likeliest.
@@ -76,6 +82,7 @@ struct InnovationsFitOptions {
   std::optional<double> order{};
   double shortest_time_constant_s = 0.5;  ///< shortest of the decades, see model::Flicker
   double significance = 0.01;             ///< level of the test for flicker noise
+  FitOf of = FitOf::filter;
 };
 
 /// Maximises the likelihood over log N, the log of the flicker noise at a pivot frequency and, if
@@ -122,7 +129,8 @@ struct NoiseCoefficients {
 
 /// Maximises the likelihood over the logs of N, B and K, with both slow noises and with each of
 /// them alone; keeps both where each raises the likelihood significantly, else the likelier one.
-/// Cost: some 110 passes of the filter; none where `base` has no flicker noise.
+/// They describe the noise, FitOf::noise, but for those without flicker noise: these are a
+/// filter's. Cost: some 110 passes of the filter; none where `base` has no flicker noise.
 /// @param base fit of the same record, with which the search begins
 [[nodiscard]] NoiseCoefficients fit_coefficients(const InnovationsLikelihood& likelihood,
                                                  const InnovationsFit& base,

@@ -5,6 +5,7 @@
 
 #include "host_tools/lib/identify/innovations_fit.hpp"
 #include "host_tools/lib/identify/minimise.hpp"
+#include "host_tools/lib/identify/quasi_likelihood.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
@@ -12,6 +13,9 @@ namespace {
 
 constexpr double kSignificance = 0.01;  ///< significance of a slow noise beside the other
 constexpr double kOneOverF = 0.5;       ///< order of the noise that B is the strength of
+
+/// Steps of log N, log B and log K, where a record has no information.
+const Eigen::Vector3d kLongestSteps{0.08, 0.8, 0.8};
 
 /// Slow noises that stand beside the white noise.
 enum class SlowNoise { flicker, walk, both };
@@ -89,7 +93,7 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
     };
     const Sampling ticks{units::seconds(likelihood.tick().ns()),
                          static_cast<double>(likelihood.ticks())};
-    return independent_steps(slopes, ticks, Eigen::Vector3d(0.08, 0.8, 0.8).head(at.size()));
+    return independent_steps(slopes, ticks, kLongestSteps.head(at.size()));
   };
   constexpr double kFarthest = 7.0;  // a factor of e^7
   const Objective objective = [&](const Eigen::VectorXd& x) {
@@ -97,7 +101,12 @@ CoefficientMaximum fit_slow_noise(const InnovationsLikelihood& likelihood,
   };
   const Minimum minimum = minimise(objective, theta, steps_at(theta), theta.array() - kFarthest,
                                    theta.array() + kFarthest);
-  return {slow, minimum.at, covariance(objective, minimum, steps_at(minimum.at)), minimum.value};
+  const FittedParameters of_filter{minimum.at,
+                                   covariance(objective, minimum, steps_at(minimum.at))};
+  const FittedParameters of_noise = noise_of_filter_fit(
+      model_at, of_filter, TickSampling::of(likelihood, static_cast<double>(likelihood.ticks())),
+      kLongestSteps.head(theta.size()));
+  return {slow, of_noise.at, of_noise.covariance, minimum.value};
 }
 
 }  // namespace
