@@ -1,0 +1,103 @@
+/// @file
+/// Evidence of drives between true stops: errors of the heading with their variance, and what may
+/// have caused them.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/model/sensor_model.hpp"
+#include "host_tools/lib/evaluate/replay.hpp"
+#include "host_tools/lib/evaluate/true_drives.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+#include "host_tools/lib/truth/track.hpp"
+#include "host_tools/lib/truth/truth.hpp"
+
+namespace zerorate::diagnose {
+
+/// One drive. All turns are without the bias; it is taken for the mean of those that the node
+/// predicted at the two stops.
+struct DriveEvidence {
+  double departure_s = 0.0;
+  double length_s = 0.0;
+  double error_rad = 0.0;  ///< turn about the vertical axis less that of the reference
+  double variance_rad2 =
+      0.0;                ///< by white noise and by the drift of the bias, as the node predicts
+  double turn_rad = 0.0;  ///< turn of the reference
+  double path_rad = 0.0;  ///< sum of the sizes of its parts
+  double moving_s = 0.0;
+  double metres = 0.0;
+  std::array<double, 3> turned_rad{};  ///< by x, y and z of the sensor
+  /// Integral of the specific force less that of the stop before, x, y and z [g s]
+  std::array<double, 3> force_g_s{};
+  double vibration_g2_s = 0.0;    ///< integral of the vibration less that of the stop before
+  double bias_sigma_rad_s = 0.0;  ///< standard deviation of the bias at the stop before
+};
+
+struct DriveRecord {
+  truth::VerticalAxis vertical;
+  std::size_t axis_count = 3;
+  bool has_acceleration = false;
+  double reference_sigma_rad = 0.0;  ///< standard deviation of a heading of the reference
+  std::vector<DriveEvidence> drives;
+  std::vector<std::size_t> number;  ///< number of each drive, of which flawed ones are left out
+  std::size_t left_out = 0;         ///< drives with a flaw
+  double last_bias_sigma_rad_s = 0.0;
+  std::string obstacle;  ///< reason why there are no drives; empty if there are
+
+  [[nodiscard]] std::size_t size() const { return drives.size(); }
+  /// Errors of all drives [rad].
+  [[nodiscard]] Eigen::VectorXd errors() const;
+  /// Covariance of the errors but for a factor. Neighbouring drives share the bias of a stop and
+  /// the reference's heading there.
+  [[nodiscard]] Eigen::MatrixXd covariance() const;
+  /// The first drives, in the order of time.
+  [[nodiscard]] DriveRecord beginning(std::size_t count) const;
+};
+
+/// Collects the evidence of drives while a recording is replayed.
+class EvidenceCollector {
+ public:
+  EvidenceCollector(const truth::Track& track, const truth::Truth& truth);
+
+  void take(const evaluate::ReplayedSample& sample);
+  /// @param drives of the same replay, whose node had no tolerance of the scale factor
+  [[nodiscard]] DriveRecord finish(const evaluate::TrueDrives& drives) const;
+
+ private:
+  struct Rest {
+    std::array<double, 3> bias_rad_s{};        ///< newest
+    std::array<double, 3> first_bias_rad_s{};  ///< bias after its first seconds
+    double sigma_rad_s = 0.0;
+    std::array<double, 3> force_g_s{};
+    double vibration_g2_s = 0.0;
+    double length_s = 0.0;
+
+    [[nodiscard]] double mean(double sum) const { return length_s > 0.0 ? sum / length_s : 0.0; }
+  };
+
+  void add_to_way(const evaluate::ReplayedSample& sample, double elapsed_s,
+                  DriveEvidence& way) const;
+
+  const truth::Track& track_;
+  const truth::Truth& truth_;
+  std::vector<DriveEvidence> ways_;
+  std::vector<Rest> rests_;  ///< one a stop
+  std::size_t next_ = 0;
+  std::optional<std::int64_t> newest_ns_;
+  bool has_acceleration_ = false;
+};
+
+/// Replays a recording through a node, and collects the evidence of its drives. The node has no
+/// tolerance of the scale factor, because the errors show what there is.
+/// Throws recording::Error, recording::DataError and std::invalid_argument as evaluate::replay().
+[[nodiscard]] DriveRecord read_drive_record(const recording::Input& input,
+                                            const truth::Track& track, const truth::Truth& truth,
+                                            model::SensorModel model);
+
+}  // namespace zerorate::diagnose
