@@ -12,6 +12,10 @@ namespace {
 
 using units::seconds;
 
+/// Variance of a bias between two stops over that after one, in the drives of
+/// diagnosed_drives_test.
+constexpr double kBetweenStops = 0.5;
+
 /// In a longer stop the bias has drifted from that of the drive before it.
 constexpr double kFirst_s = 30.0;
 
@@ -37,32 +41,16 @@ Eigen::VectorXd DriveRecord::errors() const {
 Eigen::MatrixXd DriveRecord::covariance() const {
   const auto count = static_cast<Eigen::Index>(size());
   Eigen::MatrixXd v = Eigen::MatrixXd::Zero(count, count);
-  // At the stop between two drives the reference's error has opposite signs, and that of the bias
-  // has half the weight in each.
-  const auto bias_rad = [&](std::size_t i, double sigma_rad_s) {
-    return 0.5 * drives[i].length_s * sigma_rad_s;
-  };
+  // The bias errs by its drift within a drive, which no neighbour shares.
   const double reference_rad2 = reference_sigma_rad * reference_sigma_rad;
   for (std::size_t i = 0; i < size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const bool is_last = i + 1 == size();
-    const double before = bias_rad(i, drives[i].bias_sigma_rad_s);
-    const double after =
-        bias_rad(i, is_last ? last_bias_sigma_rad_s : drives[i + 1].bias_sigma_rad_s);
-    v(k, k) = drives[i].variance_rad2 + before * before + after * after + 2.0 * reference_rad2;
-    if (is_last || number[i + 1] != number[i] + 1) continue;
-    v(k, k + 1) = after * bias_rad(i + 1, drives[i + 1].bias_sigma_rad_s) - reference_rad2;
-    v(k + 1, k) = v(k, k + 1);
+    v(k, k) = drives[i].variance_rad2 + 2.0 * reference_rad2;
+    if (i + 1 == size() || number[i + 1] != number[i] + 1) continue;
+    v(k, k + 1) = -reference_rad2;
+    v(k + 1, k) = -reference_rad2;
   }
   return v;
-}
-
-DriveRecord DriveRecord::beginning(std::size_t count) const {
-  DriveRecord first = *this;
-  first.drives.resize(count);
-  first.number.resize(count);
-  if (count < size()) first.last_bias_sigma_rad_s = drives[count].bias_sigma_rad_s;
-  return first;
 }
 
 EvidenceCollector::EvidenceCollector(const truth::Track& track, const truth::Truth& truth)
@@ -142,16 +130,11 @@ DriveRecord EvidenceCollector::finish(const evaluate::TrueDrives& drives) const 
         metres_between(track_.speed_m_s, scored.drive.departure_ns, scored.drive.arrival_ns);
     one.turn_rad = scored.drive.way_turn_rad;
     one.error_rad = truth_.vertical.sign * one.turned_rad[truth_.vertical.axis] - one.turn_rad;
-    one.bias_sigma_rad_s = before.sigma_rad_s;
-    // Between two stops a bias drifts by half as much as after one.
+    // After a stop the bias drifts; between two of them it errs by half as much.
     const auto& outcome = scored.outcome(drives.published, evaluate::Scored::published);
-    const double of_stop_rad = before.sigma_rad_s * one.length_s;
-    const double forward_rad2 = outcome.sigma_rad * outcome.sigma_rad;
-    one.variance_rad2 =
-        std::max(0.25 * (forward_rad2 - of_stop_rad * of_stop_rad), 0.05 * forward_rad2);
+    one.variance_rad2 = kBetweenStops * outcome.sigma_rad * outcome.sigma_rad;
     record.drives.push_back(one);
     record.number.push_back(k);
-    record.last_bias_sigma_rad_s = after.sigma_rad_s;
   }
   return record;
 }

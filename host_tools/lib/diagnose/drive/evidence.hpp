@@ -35,8 +35,7 @@ struct DriveEvidence {
   std::array<double, 3> turned_rad{};  ///< by x, y and z of the sensor
   /// Integral of the specific force less that of the stop before, x, y and z [g s]
   std::array<double, 3> force_g_s{};
-  double vibration_g2_s = 0.0;    ///< integral of the vibration less that of the stop before
-  double bias_sigma_rad_s = 0.0;  ///< standard deviation of the bias at the stop before
+  double vibration_g2_s = 0.0;  ///< integral of the vibration less that of the stop before
 };
 
 struct DriveRecord {
@@ -47,8 +46,7 @@ struct DriveRecord {
   std::vector<DriveEvidence> drives;
   std::vector<std::size_t> number;  ///< number of each drive, of which flawed ones are left out
   std::size_t left_out = 0;         ///< drives with a flaw
-  double last_bias_sigma_rad_s = 0.0;
-  std::string obstacle;  ///< reason why there are no drives; empty if there are
+  std::string obstacle;             ///< reason why there are no drives; empty if there are
 
   [[nodiscard]] std::size_t size() const { return drives.size(); }
   /// Errors of all drives [rad].
@@ -56,8 +54,6 @@ struct DriveRecord {
   /// Covariance of the errors but for a factor. Neighbouring drives share the bias of a stop and
   /// the reference's heading there.
   [[nodiscard]] Eigen::MatrixXd covariance() const;
-  /// The first drives, in the order of time.
-  [[nodiscard]] DriveRecord beginning(std::size_t count) const;
 };
 
 /// Collects the evidence of drives while a recording is replayed.
