@@ -132,6 +132,7 @@ void print_drives(const diagnose::DriveDiagnosis& drives, const std::vector<Diag
                   bool is_verbose) {
   fmt::print("\ndrives: {}\n\n{}\n", diagnose::verdict_in_words(drives),
              wrapped(diagnose::in_words(drives)));
+  for (const std::string& remark : drives.remarks) fmt::print("{}\n", wrapped("note: " + remark));
   for (const diagnose::Cause& cause : drives.causes) print_cause(cause, is_verbose);
   if (!drives.causes.empty()) {
     const diagnose::DriveGain& gain = drives.gain;

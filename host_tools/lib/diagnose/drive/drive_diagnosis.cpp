@@ -116,6 +116,25 @@ void add_points(const DriveRecord& record, const std::vector<MotionChoice>& chos
   diagnosis.scatter = std::sqrt(fit.factor());
 }
 
+/// Takes causes out with which the heading of the drives held out errs by more, certainly: those of
+/// some drives that the others contradict.
+void drop_contradicted(const DriveRecord& record, std::vector<MotionChoice>& chosen,
+                       DriveDiagnosis& diagnosis) {
+  for (std::size_t i = 0; i < chosen.size();) {
+    if (!(drift_ratio_of(record, chosen, i).lo > 1.0)) {
+      ++i;
+      continue;
+    }
+    diagnosis.remarks.push_back(
+        fmt::format("The first drives look like an effect, {}, that the last ones contradict: the "
+                    "reference may "
+                    "have been at fault.",
+                    chosen[i].effect->name()));
+    chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
+  }
+}
+
 /// What is left is more than the node lets expect with a probability below 1 in 1000.
 bool is_left_unexplained(const DriveFit& fit) {
   constexpr double kRare = 1e-3;
@@ -137,7 +156,8 @@ DriveDiagnosis diagnose_drives(const DriveRecord& record, model::SensorModel& mo
   if (!diagnosis.obstacle.empty()) return diagnosis;
   const auto effects = make_motion_effects();
   const MotionSelection selection{record, effects};
-  const std::vector<MotionChoice> chosen = selection.choose();
+  std::vector<MotionChoice> chosen = selection.choose();
+  drop_contradicted(record, chosen, diagnosis);
   const DriveFit fit = selection.fit(chosen);
   const double tolerance = model.scale_factor.value_or(model::ScaleFactor{}).sigma;
   diagnosis.gain = measure_drive_gain(record, chosen, tolerance);

@@ -17,25 +17,6 @@ struct HeldOut {
   double after_rad2 = 0.0;   ///< with them, their own errors included
 };
 
-Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<std::size_t>& rows) {
-  Eigen::MatrixXd picked(static_cast<Eigen::Index>(rows.size()), matrix.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    picked.row(static_cast<Eigen::Index>(i)) = matrix.row(static_cast<Eigen::Index>(rows[i]));
-  }
-  return picked;
-}
-
-DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& rows) {
-  DriveRecord some = record;
-  some.drives.clear();
-  some.number.clear();
-  for (const std::size_t row : rows) {
-    some.drives.push_back(record.drives[row]);
-    some.number.push_back(record.number[row]);
-  }
-  return some;
-}
-
 /// The drives that are scored by a fit to others.
 struct Fold {
   std::vector<std::size_t> fitted;
@@ -69,9 +50,8 @@ std::vector<HeldOut> hold_out(const DriveRecord& record, const std::vector<Motio
   const Eigen::MatrixXd covariance = record.covariance();
   std::vector<HeldOut> all;
   for (const Fold& fold : folds_of(record.size())) {
-    const Share seen{.columns = rows_of(share.columns, fold.fitted),
-                     .known = rows_of(share.known, fold.fitted)};
-    const DriveFit fit = DriveRegression(picked(record, fold.fitted)).fit(seen);
+    const DriveFit fit =
+        DriveRegression(picked(record, fold.fitted)).fit(picked(share, fold.fitted));
     for (const std::size_t k : fold.scored) {
       const auto row = static_cast<Eigen::Index>(k);
       const DriveEvidence& drive = record.drives[k];

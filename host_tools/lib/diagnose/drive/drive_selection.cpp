@@ -26,7 +26,30 @@ double occam_nats(const DriveFit& fit, const Eigen::VectorXd& prior_sigma) {
   return -0.5 * std::log(ratio) - 0.5 * coefficients.dot(both.inverse() * coefficients);
 }
 
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<std::size_t>& places) {
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(places.size()), matrix.cols());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) = matrix.row(static_cast<Eigen::Index>(places[i]));
+  }
+  return rows;
+}
+
 }  // namespace
+
+DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& places) {
+  DriveRecord some = record;
+  some.drives.clear();
+  some.number.clear();
+  for (const std::size_t place : places) {
+    some.drives.push_back(record.drives[place]);
+    some.number.push_back(record.number[place]);
+  }
+  return some;
+}
+
+Share picked(const Share& share, const std::vector<std::size_t>& places) {
+  return {.columns = rows_of(share.columns, places), .known = rows_of(share.known, places)};
+}
 
 Share joint_share(const std::vector<MotionChoice>& choices, std::size_t drives) {
   const auto rows = static_cast<Eigen::Index>(drives);
@@ -90,6 +113,30 @@ std::vector<MotionChoice> MotionSelection::examine(const std::vector<MotionChoic
   return examined;
 }
 
+bool MotionSelection::rests_on_many_drives(const MotionChoice& choice,
+                                           const std::vector<MotionChoice>& others) const {
+  std::vector<MotionChoice> all = others;
+  all.push_back(choice);
+  const Share with = joint_share(all, record_.size());
+  const Share without = joint_share(others, record_.size());
+  for (std::size_t left_out = 0; left_out < record_.size(); ++left_out) {
+    std::vector<std::size_t> places;
+    for (std::size_t k = 0; k < record_.size(); ++k) {
+      if (k != left_out) places.push_back(k);
+    }
+    const DriveRegression regression{picked(record_, places)};
+    const DriveFit fit = regression.fit(picked(with, places));
+    const double gain = regression.gain(regression.fit(picked(without, places)), fit);
+    const auto parameters =
+        std::max<std::size_t>(1, static_cast<std::size_t>(choice.variant.prior_sigma.size()));
+    if (surprisal_of_drives(gain, parameters, fit.freedom, places.size()) <
+        0.5 * kDriveThreshold_nats) {
+      return false;
+    }
+  }
+  return true;
+}
+
 void MotionSelection::drop_superfluous(std::vector<MotionChoice>& chosen) const {
   for (std::size_t i = 0; i < chosen.size();) {
     const MotionChoice& one = chosen[i];
@@ -107,8 +154,9 @@ std::vector<MotionChoice> MotionSelection::choose() const {
   std::vector<MotionChoice> chosen;
   while (chosen.size() < kMostCauses) {
     const std::vector<MotionChoice> examined = examine(chosen);
-    const auto next = std::ranges::find_if(examined, [](const MotionChoice& choice) {
-      return choice.surprisal_nats >= kDriveThreshold_nats && choice.evidence_nats > 0.0;
+    const auto next = std::ranges::find_if(examined, [&](const MotionChoice& choice) {
+      return choice.surprisal_nats >= kDriveThreshold_nats && choice.evidence_nats > 0.0 &&
+             rests_on_many_drives(choice, chosen);
     });
     if (next == examined.end()) break;
     chosen.push_back(*next);

@@ -38,11 +38,20 @@ class MotionSelection {
 
  private:
   void drop_superfluous(std::vector<MotionChoice>& chosen) const;
+  /// Whether a choice is still surprising with any one drive left out: a single drive in which the
+  /// reference is at fault makes no cause.
+  [[nodiscard]] bool rests_on_many_drives(const MotionChoice& choice,
+                                          const std::vector<MotionChoice>& others) const;
 
   const DriveRecord& record_;
   std::span<const std::unique_ptr<MotionEffect>> effects_;
   DriveRegression regression_;
 };
+
+/// Some drives of a record, by their places in increasing order.
+[[nodiscard]] DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& places);
+/// Their shares.
+[[nodiscard]] Share picked(const Share& share, const std::vector<std::size_t>& places);
 
 /// Shares of all choices side by side.
 [[nodiscard]] Share joint_share(const std::vector<MotionChoice>& choices, std::size_t drives);

@@ -123,7 +123,7 @@ std::string in_words(const DriveDiagnosis& drives) {
   if (drives.verdict == Verdict::unexplained) {
     text += fmt::format(
         " What is left is {:.2g} times what noise, bias and reference let expect, and no effect of "
-        "the catalogue explains it.",
+        "the catalogue explains it; a reference may err more on the way than at its stops.",
         drives.scatter);
   }
   for (const Cause& cause : drives.causes) {
@@ -151,6 +151,7 @@ void add_drives(report::Report& report, const DriveDiagnosis& drives,
                 std::span<const Diagnosis> axes) {
   auto& section = report.section("Drives: " + verdict_in_words(drives));
   section.paragraph(in_words(drives));
+  for (const std::string& remark : drives.remarks) section.paragraph(remark);
   if (drives.points.empty()) return;
   if (!causes_by_cost(axes, drives).empty()) section.table(cost_table(axes, drives));
   if (!drives.causes.empty()) section.table(figures_table(drives));

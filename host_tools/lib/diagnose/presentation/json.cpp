@@ -172,7 +172,8 @@ Json drives_json(const DriveDiagnosis& drives) {
             {"heading_rms_left_deg", number(drives.rms_left_rad * units::kDegPerRad)},
             {"scatter_over_expected", number(drives.scatter)},
             {"causes", Json::array()},
-            {"gain", drive_gain_json(drives.gain)}};
+            {"gain", drive_gain_json(drives.gain)},
+            {"remarks", drives.remarks}};
   for (const Cause& cause : drives.causes) json["causes"].push_back(cause_json(cause));
   return json;
 }
