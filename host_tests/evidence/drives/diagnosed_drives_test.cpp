@@ -1,6 +1,6 @@
 // Hours of drives between true stops with one error that rest does not show: the diagnosis names it
-// alone, with its size inside the interval, and names nothing where there is nothing. Prints the
-// table of docs/reference/diagnosed-drives.md.
+// alone, with its size inside the interval, and names nothing where there is nothing. Prints a
+// table.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ struct Hidden {
   std::string parameter;  ///< its size, and the true one
   double size = 0.0;
   simulate::MotionErrors errors{};
-  double per_g_rad_s = 0.0;  ///< sensitivity of z to the force along y, for one g
+  double per_g_rad_s = 0.0;  ///< sensitivity of z to the force along each axis
 };
 
 simulate::MotionErrors scale(double error) {
@@ -49,7 +49,7 @@ std::vector<Hidden> kinds() {
       {"scale_factor", "scale_factor_error_percent", 1.0, scale(0.01)},
       {"misalignment", "tilt_deg", 5.0, {.mounting = {.roll_rad = 5.0 * kRadPerDeg}}},
       {"bias_in_motion", "offset_at_10_mps_dps", 0.015, {.offset_rad_s = {offset, offset, offset}}},
-      {"g_sensitivity", "along_x_dps_per_g", 0.05, {}, 0.05 * kRadPerDeg},
+      {"g_sensitivity", "along_y_dps_per_g", 0.2, {}, 0.2 * kRadPerDeg},
       {"scale_asymmetry", "scale_asymmetry_percent", 0.3, {.asymmetry = {0.003, 0.003, 0.003}}},
   };
 }

@@ -5,7 +5,7 @@
 namespace zerorate::diagnose {
 
 double student_half_width95(double freedom) {
-  // Cornish and Fisher 1938: three terms, right to 1 % from 4 degrees of freedom on.
+  // Expansion in powers of 1 / freedom, right to 1 % from 4 degrees of freedom on.
   constexpr double z = statistics::kHalfWidth95;
   constexpr double z3 = z * z * z;
   constexpr double z5 = z3 * z * z;
