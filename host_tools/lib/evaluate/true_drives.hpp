@@ -29,10 +29,10 @@ enum class Scored : std::uint8_t {
 struct ScoredTrueDrive {
   truth::Drive drive;
   truth::Flaw flaw = truth::Flaw::none;  ///< flaw of the reference or of the replay; none: scored
-  /// By predictor: the corrected rate, sample by sample, on the way. That of the predictor which is
+  /// Corrected rate by predictor, sample by sample, on the way. That of the predictor which is
   /// published is the rate of the messages.
   std::array<DriveOutcome, app::kPredictors> outcomes{};
-  /// By predictor: the measured rate less the bias at departure, from middle to middle of the
+  /// Measured rate less the bias at departure, by predictor, from middle to middle of the
   /// stops.
   std::array<DriveOutcome, app::kPredictors> at_departure{};
 
@@ -212,8 +212,8 @@ class TrueDriveScorer {
   std::uint32_t biases_tick_ = 0;
   ByPredictor biases_{};         ///< newest ones
   ByPredictor at_departure_{};   ///< biases at departure
-  ByPredictor variances_{};      ///< of the bias, from middle to middle
-  ByPredictor way_variances_{};  ///< of the bias, on the way
+  ByPredictor variances_{};      ///< variances of the bias, from middle to middle
+  ByPredictor way_variances_{};  ///< variances of the bias, on the way
 };
 
 }  // namespace zerorate::evaluate

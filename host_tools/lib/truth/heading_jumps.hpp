@@ -36,7 +36,7 @@ class HeadingJumps {
   void find(const Series& parted);
 
   const Series& heading_;
-  std::vector<double> turned_rad_;  ///< by the vertical axis
+  std::vector<double> turned_rad_;  ///< turn about the vertical axis
   std::int64_t longest_ns_;
   std::vector<std::int64_t> jumps_ns_;
 };

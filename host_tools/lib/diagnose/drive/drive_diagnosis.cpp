@@ -135,7 +135,7 @@ void drop_contradicted(const DriveRecord& record, std::vector<MotionChoice>& cho
   }
 }
 
-/// What is left is more than the node lets expect with a probability below 1 in 1000.
+/// Whether more is left than noise and bias let expect, with a probability below 1 in 1000.
 bool is_left_unexplained(const DriveFit& fit) {
   constexpr double kRare = 1e-3;
   return statistics::chi_squared_tail(fit.residual, fit.freedom) < kRare;

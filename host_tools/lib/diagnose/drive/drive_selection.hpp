@@ -16,7 +16,7 @@ struct MotionChoice {
   const MotionEffect* effect = nullptr;
   Variant variant;
   double gain_nats = 0.0;       ///< log likelihood that is lost without it
-  double surprisal_nats = 0.0;  ///< by the law of such a gain by chance, its variants counted
+  double surprisal_nats = 0.0;  ///< log of the odds of such a gain by chance, its variants counted
   double evidence_nats = 0.0;   ///< gain less what the freedom of its coefficients costs
 };
 

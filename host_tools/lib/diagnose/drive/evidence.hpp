@@ -25,14 +25,13 @@ namespace zerorate::diagnose {
 struct DriveEvidence {
   double departure_s = 0.0;
   double length_s = 0.0;
-  double error_rad = 0.0;  ///< turn about the vertical axis less that of the reference
-  double variance_rad2 =
-      0.0;                ///< by white noise and by the drift of the bias, as the node predicts
-  double turn_rad = 0.0;  ///< turn of the reference
-  double path_rad = 0.0;  ///< sum of the sizes of its parts
+  double error_rad = 0.0;      ///< turn about the vertical axis less that of the reference
+  double variance_rad2 = 0.0;  ///< variance by white noise and by the drift of the bias
+  double turn_rad = 0.0;       ///< turn of the reference
+  double path_rad = 0.0;       ///< sum of the sizes of its parts
   double moving_s = 0.0;
   double metres = 0.0;
-  std::array<double, 3> turned_rad{};  ///< by x, y and z of the sensor
+  std::array<double, 3> turned_rad{};  ///< turns about x, y and z of the sensor
   /// Integral of the specific force less that of the stop before, x, y and z [g s]
   std::array<double, 3> force_g_s{};
   double vibration_g2_s = 0.0;  ///< integral of the vibration less that of the stop before

@@ -66,7 +66,7 @@ class MotionEffect {
   [[nodiscard]] virtual std::string_view name() const = 0;
   /// Reason why a record cannot show the effect; empty where it can.
   [[nodiscard]] virtual std::string obstacle(const DriveRecord& record) const = 0;
-  /// What the effect may look like in a record that can show it.
+  /// Ways in which the effect may show in a record.
   [[nodiscard]] virtual std::vector<Variant> variants(const DriveRecord& record) const = 0;
   [[nodiscard]] virtual MotionDescription describe(const MotionFinding& finding) const = 0;
   /// Adds the effect to the model of the node.

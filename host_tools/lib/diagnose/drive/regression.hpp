@@ -18,7 +18,7 @@ struct Share {
 /// Coefficients at the greatest likelihood. The covariance of the errors is known but for a factor.
 struct DriveFit {
   Eigen::VectorXd coefficients;
-  Eigen::MatrixXd covariance;  ///< of the coefficients
+  Eigen::MatrixXd covariance;  ///< covariance of the coefficients
   double residual = 0.0;       ///< sum of the squares of the whitened residuals
   double freedom = 0.0;        ///< drives less coefficients
 

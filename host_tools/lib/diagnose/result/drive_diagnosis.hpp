@@ -41,8 +41,7 @@ struct DriveDiagnosis {
   Verdict verdict = Verdict::consistent;
   double rms_rad = 0.0;       ///< error of the heading
   double rms_left_rad = 0.0;  ///< without the shares of the causes
-  double scatter =
-      0.0;  ///< what is left over what noise and bias let expect, as a standard deviation
+  double scatter = 0.0;       ///< standard deviation of the rest over the expected one
   std::vector<Cause> causes;  ///< strongest first
   std::vector<SelectionEvidence> evidence;
   DriveGain gain;
