@@ -105,6 +105,7 @@ std::vector<Pair> agreeing(const std::vector<Pair>& turns, double sign) {
   constexpr double kShare = 0.3;
   constexpr double kNoise_rad = 2.0 * kRadPerDeg;
   std::vector<double> biases;
+  biases.reserve(turns.size());
   for (const Pair& turn : turns) biases.push_back(turn.axis_rad - sign * turn.reference_rad);
   if (biases.empty()) return {};
   const double bias_rad = statistics::median_of(biases);

@@ -79,6 +79,7 @@ double rms(const std::vector<double>& values, const std::vector<std::size_t>& in
 /// Errors that are left on the drives held out.
 std::vector<double> left_by(const std::vector<HeldOut>& drives) {
   std::vector<double> left;
+  left.reserve(drives.size());
   for (const HeldOut& drive : drives) left.push_back(drive.error_rad - drive.share_rad);
   return left;
 }
