@@ -39,8 +39,8 @@ std::vector<double> slow_spans(const Series& speed_m_s) {
   return spans;
 }
 
-/// Heading at rest at a time of a stop: between two headings beside it, or else the one of the stop
-/// that is nearest.
+/// Heading at a time of a stop: interpolated between its neighbours, or else the nearest heading of
+/// the stop.
 std::optional<double> heading_at_rest(const Series& heading, std::int64_t time_ns,
                                       const Stop& stop) {
   if (const auto between = heading.at(time_ns, 2 * kSecond)) return between;
