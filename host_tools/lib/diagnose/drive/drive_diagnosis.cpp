@@ -4,15 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
 #include <utility>
 
 #include "host_tools/lib/diagnose/drive/drive_gain.hpp"
 #include "host_tools/lib/diagnose/drive/drive_selection.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
+
+/// A reference that errs by more a heading is no reference of drives, and the scatter is left
+/// unexplained.
+constexpr double kLargestReferenceSigma_rad = 0.35 * units::kRadPerDeg;
 
 double rms_of(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
@@ -20,7 +25,8 @@ double rms_of(const Eigen::VectorXd& values) {
 
 MotionFinding finding_of(const DriveRecord& record, const std::vector<MotionChoice>& choices,
                          std::size_t which, const DriveFit& fit) {
-  MotionFinding finding{.record = &record, .variant = choices[which].variant};
+  MotionFinding finding{
+      .record = &record, .variant = choices[which].variant, .freedom = fit.freedom};
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < which; ++i) first += choices[i].variant.share.columns.cols();
   for (Eigen::Index k = first; k < first + choices[which].variant.share.columns.cols(); ++k) {
@@ -141,19 +147,56 @@ bool is_left_unexplained(const DriveFit& fit) {
   return statistics::chi_squared_tail(fit.residual, fit.freedom) < kRare;
 }
 
+/// Standard deviation of a heading of the reference with which what is left is as large as
+/// expected.
+double reference_sigma_by_scatter(const DriveRecord& record,
+                                  const std::vector<MotionChoice>& chosen) {
+  const Share share = joint_share(chosen, record.size());
+  DriveRecord trial = record;
+  double lo = record.reference_sigma_rad;
+  double hi = 2.0 * kLargestReferenceSigma_rad;
+  constexpr int kHalvings = 30;
+  for (int i = 0; i < kHalvings; ++i) {
+    trial.reference_sigma_rad = 0.5 * (lo + hi);
+    const bool is_too_small = DriveRegression(trial).fit(share).factor() > 1.0;
+    (is_too_small ? lo : hi) = trial.reference_sigma_rad;
+  }
+  return hi;
+}
+
+/// Where more is left than expected, the reference may err more on the way than at its stops. Says
+/// so, and chooses again.
+DriveRecord with_reference_by_scatter(const DriveRecord& record, DriveDiagnosis& diagnosis) {
+  const auto effects = make_motion_effects();
+  const MotionSelection selection{record, effects};
+  const std::vector<MotionChoice> chosen = selection.choose();
+  if (!is_left_unexplained(selection.fit(chosen))) return record;
+  DriveRecord wider = record;
+  wider.reference_sigma_rad = reference_sigma_by_scatter(record, chosen);
+  if (wider.reference_sigma_rad > kLargestReferenceSigma_rad) return record;
+  diagnosis.remarks.push_back(fmt::format(
+      "The error of the reference was estimated from what is left: {:.2g} deg of a drive's turn, "
+      "where its headings at rest show {:.2g} deg. An error of the gyro that no effect describes "
+      "would look alike.",
+      std::numbers::sqrt2 * wider.reference_sigma_rad * units::kDegPerRad,
+      std::numbers::sqrt2 * record.reference_sigma_rad * units::kDegPerRad));
+  return wider;
+}
+
 }  // namespace
 
-DriveDiagnosis diagnose_drives(const DriveRecord& record, model::SensorModel& model) {
-  DriveDiagnosis diagnosis{.vertical = truth::name(record.vertical, record.axis_count),
-                           .drives = record.size(),
-                           .left_out = record.left_out,
-                           .obstacle = record.obstacle};
-  if (diagnosis.obstacle.empty() && record.size() < kFewestDrives) {
+DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& model) {
+  DriveDiagnosis diagnosis{.vertical = truth::name(given.vertical, given.axis_count),
+                           .drives = given.size(),
+                           .left_out = given.left_out,
+                           .obstacle = given.obstacle};
+  if (diagnosis.obstacle.empty() && given.size() < kFewestDrives) {
     diagnosis.obstacle =
-        fmt::format("{} drives between true stops without a flaw, and {} are needed", record.size(),
+        fmt::format("{} drives between true stops without a flaw, and {} are needed", given.size(),
                     kFewestDrives);
   }
   if (!diagnosis.obstacle.empty()) return diagnosis;
+  const DriveRecord record = with_reference_by_scatter(given, diagnosis);
   const auto effects = make_motion_effects();
   const MotionSelection selection{record, effects};
   std::vector<MotionChoice> chosen = selection.choose();

@@ -44,6 +44,7 @@ DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& pl
     some.drives.push_back(record.drives[place]);
     some.number.push_back(record.number[place]);
   }
+  some.bias_rad2 = rows_of(rows_of(record.bias_rad2, places).transpose(), places);
   return some;
 }
 

@@ -1,5 +1,6 @@
 #include "host_tools/lib/diagnose/drive/motion_effect.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace zerorate::diagnose {
@@ -13,6 +14,12 @@ double student_half_width95(double freedom) {
          (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * freedom * freedom) +
          (3.0 * z5 * z * z + 19.0 * z5 + 17.0 * z3 - 15.0 * z) /
              (384.0 * freedom * freedom * freedom);
+}
+
+Estimate with_slopes(const Estimate& share, double freedom) {
+  constexpr double kBySlopes = 2e-4;
+  const double sigma = std::hypot(share.sigma, kBySlopes);
+  return {share.value, student_half_width95(freedom) * sigma, sigma};
 }
 
 Variant free_column(const Eigen::VectorXd& column, double prior_sigma, std::string by) {

@@ -20,7 +20,7 @@ class ScaleAsymmetry final : public MotionEffect {
     return {free_column(column_of(record, path), kAsymmetryPrior)};
   }
   [[nodiscard]] MotionDescription describe(const MotionFinding& finding) const override {
-    const Estimate percent = finding.coefficients.front() * 100.0;
+    const Estimate percent = with_slopes(finding.coefficients.front(), finding.freedom) * 100.0;
     return {
         .parameters = {percent.parameter("scale_asymmetry_percent")},
         .sentence = fmt::format(
@@ -29,7 +29,7 @@ class ScaleAsymmetry final : public MotionEffect {
             percent.value, percent.lo(), percent.hi())};
   }
   std::string add_to_model(const MotionFinding& finding, model::SensorModel& model) const override {
-    const Estimate& error = finding.coefficients.front();
+    const Estimate error = with_slopes(finding.coefficients.front(), finding.freedom);
     model::ScaleFactor scale = model.scale_factor.value_or(model::ScaleFactor{});
     scale.asymmetry_sigma = std::hypot(error.value, error.sigma);
     scale.source = "identified by the turns of drives by zerorate diagnose";

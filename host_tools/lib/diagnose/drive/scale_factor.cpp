@@ -19,7 +19,7 @@ class ScaleFactorError final : public MotionEffect {
     return {free_column(column_of(record, turn), kScalePrior)};
   }
   [[nodiscard]] MotionDescription describe(const MotionFinding& finding) const override {
-    const Estimate percent = finding.coefficients.front() * 100.0;
+    const Estimate percent = with_slopes(finding.coefficients.front(), finding.freedom) * 100.0;
     return {
         .parameters = {percent.parameter("scale_factor_error_percent")},
         .sentence = fmt::format(
@@ -28,7 +28,7 @@ class ScaleFactorError final : public MotionEffect {
             percent.value < 0.0 ? "small" : "large", percent.value, percent.lo(), percent.hi())};
   }
   std::string add_to_model(const MotionFinding& finding, model::SensorModel& model) const override {
-    const Estimate& error = finding.coefficients.front();
+    const Estimate error = with_slopes(finding.coefficients.front(), finding.freedom);
     model::ScaleFactor scale = model.scale_factor.value_or(model::ScaleFactor{});
     double& known = scale.error.at(finding.record->vertical.axis);
     known = (1.0 + known) * (1.0 + error.value) - 1.0;
