@@ -15,9 +15,9 @@
 namespace zerorate::diagnose {
 namespace {
 
-/// A reference that errs by more a heading is no reference of drives, and the scatter is left
+/// A reference that errs by more on a way is none of drives, and the scatter is left
 /// unexplained.
-constexpr double kLargestReferenceSigma_rad = 0.35 * units::kRadPerDeg;
+constexpr double kLargestWaySigma_rad = 0.5 * units::kRadPerDeg;
 
 double rms_of(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
@@ -147,19 +147,17 @@ bool is_left_unexplained(const DriveFit& fit) {
   return statistics::chi_squared_tail(fit.residual, fit.freedom) < kRare;
 }
 
-/// Standard deviation of a heading of the reference with which what is left is as large as
-/// expected.
-double reference_sigma_by_scatter(const DriveRecord& record,
-                                  const std::vector<MotionChoice>& chosen) {
+/// Error of the reference on each way with which what is left is as large as expected.
+double way_sigma_by_scatter(const DriveRecord& record, const std::vector<MotionChoice>& chosen) {
   const Share share = joint_share(chosen, record.size());
   DriveRecord trial = record;
-  double lo = record.reference_sigma_rad;
-  double hi = 2.0 * kLargestReferenceSigma_rad;
+  double lo = 0.0;
+  double hi = 2.0 * kLargestWaySigma_rad;
   constexpr int kHalvings = 30;
   for (int i = 0; i < kHalvings; ++i) {
-    trial.reference_sigma_rad = 0.5 * (lo + hi);
+    trial.way_sigma_rad = 0.5 * (lo + hi);
     const bool is_too_small = DriveRegression(trial).fit(share).factor() > 1.0;
-    (is_too_small ? lo : hi) = trial.reference_sigma_rad;
+    (is_too_small ? lo : hi) = trial.way_sigma_rad;
   }
   return hi;
 }
@@ -172,13 +170,13 @@ DriveRecord with_reference_by_scatter(const DriveRecord& record, DriveDiagnosis&
   const std::vector<MotionChoice> chosen = selection.choose();
   if (!is_left_unexplained(selection.fit(chosen))) return record;
   DriveRecord wider = record;
-  wider.reference_sigma_rad = reference_sigma_by_scatter(record, chosen);
-  if (wider.reference_sigma_rad > kLargestReferenceSigma_rad) return record;
+  wider.way_sigma_rad = way_sigma_by_scatter(record, chosen);
+  if (wider.way_sigma_rad > kLargestWaySigma_rad) return record;
   diagnosis.remarks.push_back(fmt::format(
       "The error of the reference was estimated from what is left: {:.2g} deg of a drive's turn, "
       "where its headings at rest show {:.2g} deg. An error of the gyro that no effect describes "
       "would look alike.",
-      std::numbers::sqrt2 * wider.reference_sigma_rad * units::kDegPerRad,
+      wider.way_sigma_rad * units::kDegPerRad,
       std::numbers::sqrt2 * record.reference_sigma_rad * units::kDegPerRad));
   return wider;
 }

@@ -41,7 +41,7 @@ Eigen::MatrixXd DriveRecord::covariance() const {
   const double reference_rad2 = reference_sigma_rad * reference_sigma_rad;
   for (std::size_t i = 0; i < size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    v(k, k) += 2.0 * reference_rad2;
+    v(k, k) += 2.0 * reference_rad2 + way_sigma_rad * way_sigma_rad;
     if (i + 1 == size() || number[i + 1] != number[i] + 1) continue;
     v(k, k + 1) -= reference_rad2;
     v(k + 1, k) -= reference_rad2;

@@ -42,6 +42,7 @@ struct DriveRecord {
   std::size_t axis_count = 3;
   bool has_acceleration = false;
   double reference_sigma_rad = 0.0;  ///< standard deviation of a heading of the reference
+  double way_sigma_rad = 0.0;  ///< standard deviation of what the reference errs by on each way
   std::vector<DriveEvidence> drives;
   std::vector<std::size_t> number;  ///< number of each drive, of which flawed ones are left out
   /// Covariance of the errors by noise and by the bias between its measurements [rad^2]

@@ -111,8 +111,8 @@ std::string in_words(const DriveDiagnosis& drives) {
   if (!drives.obstacle.empty()) return "The drives are not diagnosed: " + drives.obstacle + ".";
   std::string text = fmt::format(
       "Over {} drives between true stops the heading errs by {} deg rms about axis {}, with the "
-      "mean "
-      "of the biases before and after each.",
+      "bias "
+      "between the stops taken off.",
       drives.drives, in_figures(drives.rms_rad * kDegPerRad), drives.vertical);
   for (const Cause& cause : drives.causes) text += " " + cause.sentence + rivals_in_words(cause);
   if (!drives.causes.empty()) {
