@@ -12,12 +12,14 @@
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/model_file.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/diagnosis_text.hpp"
 #include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/reference_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
+#include "host_tools/lib/diagnose/drive/drive_diagnosis.hpp"
 #include "host_tools/lib/diagnose/presentation/presentation.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
@@ -30,8 +32,6 @@ namespace zerorate::cli {
 namespace {
 
 using diagnose::Diagnosis;
-using units::in_figures;
-
 struct DiagnoseOptions {
   InputFlags input_flags;
   recording::Input recording;  ///< filled by input_flags
@@ -140,26 +140,6 @@ std::optional<odometry::HeadingGain> measure_gain(const DiagnoseOptions& options
   }
 }
 
-void print_odometer(const OdometerDiagnosis& odometer) {
-  if (odometer.findings.empty()) {
-    fmt::print("odometer: healthy by the reference's speed\n\n");
-    return;
-  }
-  for (const odometry::OdometerFinding& finding : odometer.findings) {
-    fmt::print("odometer: {}\n\n{}\n", finding.name, finding.sentence);
-    for (const auto& [name, figure] : finding.figures) {
-      fmt::print("    {:<37} {:>12.4g}", name, figure.value);
-      if (std::isfinite(figure.lo)) fmt::print(" [{:.4g}, {:.4g}]", figure.lo, figure.hi);
-      fmt::print("\n");
-    }
-    fmt::print("\n");
-  }
-  if (!odometer.configuration.empty()) {
-    fmt::print("for the configuration of zerorated:\n\n{}\n", odometer.configuration);
-  }
-  if (odometer.gain) fmt::print("{}\n\n", diagnose::in_words(*odometer.gain));
-}
-
 /// @param doubts  set to what speaks against rest and is not certain
 std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
                                      std::optional<OdometerDiagnosis>& odometer,
@@ -199,90 +179,27 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   return diagnose::diagnose(std::move(records), diagnose_options);
 }
 
-std::string rivals_in_words(const diagnose::Cause& cause) {
-  std::string rivals;
-  for (const diagnose::Alternative& rival : cause.alternatives) {
-    rivals += fmt::format("{}{} ({:.1f} nats behind)", rivals.empty() ? "; or " : ", ",
-                          diagnose::plain_name(rival.effect), rival.less_likely_by_nats);
+/// The drives by the reference's heading, if there is one; their causes that pay are added to the
+/// extended model of the vertical axis.
+std::optional<diagnose::DriveDiagnosis> examine_drives(const DiagnoseOptions& options,
+                                                       std::vector<Diagnosis>& diagnoses) {
+  if (!std::filesystem::is_regular_file(options.recording.path)) return std::nullopt;
+  recording::Reader reader{options.recording};
+  const recording::Columns& columns = reader.columns();
+  if (!columns.ref_speed || (!columns.ref_heading && !columns.ref_rate)) return std::nullopt;
+  try {
+    const truth::Track track = truth::read_track(reader);
+    const truth::Truth truth = truth::find_truth(track, {});
+    const std::string vertical{"xyz"[truth.vertical.axis]};
+    const auto found = std::ranges::find(diagnoses, vertical, &Diagnosis::axis);
+    Diagnosis& diagnosis = found == diagnoses.end() ? diagnoses.front() : *found;
+    return diagnose::diagnose_drives(
+        diagnose::read_drive_record(options.recording, track, truth, diagnosis.base_model),
+        diagnosis.extended_model);
+  } catch (const recording::DataError& reason) {
+    print_note(options, fmt::format("the drives were not diagnosed: {}", reason.what()));
+    return std::nullopt;
   }
-  return rivals;
-}
-
-void print_cause(const diagnose::Cause& cause, bool is_verbose) {
-  fmt::print("\n  {}: {:.0f} % sure{}{}{}\n", diagnose::plain_name(cause.effect),
-             100.0 * cause.probability, cause.in_model ? ", in the model" : ", not in the model",
-             cause.axes > 1 ? ", of all axes together" : "", rivals_in_words(cause));
-  for (const diagnose::Parameter& parameter : cause.parameters) {
-    fmt::print("    {:<37} {:>12} [{}, {}]\n", parameter.name, in_figures(parameter.value, 4),
-               in_figures(parameter.lo, 4), in_figures(parameter.hi, 4));
-  }
-  if (!is_verbose) return;
-  fmt::print("    {:<37} {:>12.1f} nats, p {}\n", "evidence", cause.gain_nats,
-             diagnose::p_value_in_words(cause.p_value));
-  if (const auto& drift = cause.heading_drift_ratio) {
-    fmt::print("    {:<37} {:>12.3f} [{:.3f}, {:.3f}]\n", "heading drift with over without it",
-               drift->value, drift->lo, drift->hi);
-  }
-}
-
-void print_misfit(const Diagnosis& diagnosis) {
-  if (std::ranges::none_of(diagnosis.misfit, &diagnose::Misfit::is_outside)) return;
-  fmt::print("\n  {:<27} {:<23} {:>12}  {}\n", "statistic", "where", "recording",
-             diagnosis.is_base_given ? "given model, simulated" : "white + 1/f, simulated");
-  for (const diagnose::Misfit& row : diagnosis.misfit) {
-    if (!row.is_outside()) continue;
-    fmt::print("  {:<27} {:<23} {:>12}  {} to {}\n", row.statistic, row.where,
-               in_figures(row.measured, 4), in_figures(row.simulated_lo, 4),
-               in_figures(row.simulated_hi, 4));
-  }
-}
-
-void print_estimate(const char* what, const diagnose::BootstrapFigure& estimate) {
-  if (!std::isfinite(estimate.value)) return;
-  fmt::print("  {:<37} {:>12.4g} [{:.4g}, {:.4g}]\n", what, estimate.value, estimate.lo,
-             estimate.hi);
-}
-
-void print_gain(const char* over, const diagnose::Gain& gain, bool is_verbose) {
-  if (!gain.is_measured()) return;
-  fmt::print("\n  on {} samples held out, extended model over {}\n", gain.holdout_samples, over);
-  if (is_verbose) {
-    print_estimate("RSSE ratio", gain.rsse_ratio);
-    print_estimate("integrated error ratio", gain.ie_ratio);
-  }
-  print_estimate("heading drift ratio", gain.heading_drift_ratio);
-  print_estimate("coverage of 95 %, before", gain.coverage95_base);
-  print_estimate("coverage of 95 %, extended", gain.coverage95_extended);
-  print_estimate("log score gain [nats per sample]", gain.log_score_gain_nats_per_sample);
-}
-
-void print_diagnosis(const Diagnosis& diagnosis, bool is_verbose) {
-  fmt::print("\naxis {}: {}\n\n{}\n", diagnosis.axis, diagnose::verdict_in_words(diagnosis),
-             wrapped(diagnose::in_words(diagnosis)));
-  for (const std::string& remark : diagnosis.remarks)
-    fmt::print("{}\n", wrapped("note: " + remark));
-  for (const diagnose::Cause* cause : diagnose::causes_by_cost(diagnosis)) {
-    print_cause(*cause, is_verbose);
-  }
-  if (is_verbose) print_misfit(diagnosis);
-  if (diagnosis.causes.empty()) return;
-  print_gain("the model of characterize", diagnosis.gain, is_verbose);
-  if (is_verbose) print_gain("white + 1/f noise", diagnosis.gain_over_data_sheet, is_verbose);
-}
-
-/// One line an axis: what a reader in a hurry takes away.
-void print_verdicts(const std::vector<Diagnosis>& diagnoses) {
-  std::vector<std::vector<std::string>> rows{
-      {"axis", "verdict", "for the heading", "heading drift, held out", "causes"}};
-  for (const Diagnosis& diagnosis : diagnoses) {
-    const std::string_view matters = diagnosis.verdict == diagnose::Verdict::unexplained
-                                         ? diagnose::matter_in_words(diagnosis.is_material())
-                                         : "-";
-    rows.push_back({diagnosis.axis, std::string(diagnose::name(diagnosis.verdict)),
-                    std::string(matters), diagnose::drift_in_words(diagnosis),
-                    diagnose::causes_in_words(diagnosis)});
-  }
-  fmt::print("{}", aligned(rows));
 }
 
 /// FILE for a single axis; of several, FILE-x and so on before the extension.
@@ -296,6 +213,7 @@ std::filesystem::path model_path(const DiagnoseOptions& options, const Diagnosis
 
 void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>& diagnoses,
                    const std::optional<OdometerDiagnosis>& odometer,
+                   const std::optional<diagnose::DriveDiagnosis>& drives,
                    const std::vector<std::string>& doubts) {
   const std::string recording = file_name(options.recording);
   if (!options.outputs.report.empty()) {
@@ -304,12 +222,14 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
                     .recording = recording,
                     .provenance = fmt::format("zerorate {}, zerorate diagnose {}", ZERORATE_VERSION,
                                               recording)});
+    if (drives) diagnose::add_drives(report, *drives, diagnoses);
     if (odometer) diagnose::add_odometer(report, *odometer);
     report.write(options.outputs.report);
   }
   if (!options.outputs.json.empty()) {
     write_text(options.outputs.json,
-               diagnose::to_json(diagnoses, doubts, odometer ? &*odometer : nullptr));
+               diagnose::to_json(diagnoses, doubts, odometer ? &*odometer : nullptr,
+                                 drives ? &*drives : nullptr));
   }
   if (options.model_out.empty()) return;
   for (const Diagnosis& diagnosis : diagnoses) {
@@ -324,19 +244,21 @@ ExitCode run_diagnose(DiagnoseOptions& options) {
   options.recording = to_input(options.input_flags);
   std::optional<OdometerDiagnosis> odometer = examine_odometer(options);
   std::vector<std::string> doubts;
-  const std::vector<Diagnosis> diagnoses = run_diagnosis(options, odometer, doubts);
+  std::vector<Diagnosis> diagnoses = run_diagnosis(options, odometer, doubts);
+  const auto drives = examine_drives(options, diagnoses);
   if (odometer && odometer->find("motion_in_stops") != nullptr) {
     odometer->gain = measure_gain(options, diagnoses);
   }
   if (options.outputs.prints_text()) {
     if (odometer) print_odometer(*odometer);
-    if (diagnoses.size() > 1) print_verdicts(diagnoses);
+    if (diagnoses.size() > 1) print_verdicts(diagnoses, drives ? &*drives : nullptr);
     for (const Diagnosis& diagnosis : diagnoses) print_diagnosis(diagnosis, options.is_verbose);
+    if (drives) print_drives(*drives, diagnoses, options.is_verbose);
   }
-  write_results(options, diagnoses, odometer, doubts);
-  const bool unexplained = std::ranges::any_of(diagnoses, [](const Diagnosis& diagnosis) {
-    return diagnosis.verdict == diagnose::Verdict::unexplained;
-  });
+  write_results(options, diagnoses, odometer, drives, doubts);
+  const bool unexplained = std::ranges::find(diagnoses, diagnose::Verdict::unexplained,
+                                             &Diagnosis::verdict) != diagnoses.end() ||
+                           (drives && drives->verdict == diagnose::Verdict::unexplained);
   return unexplained || !doubts.empty() ? finding : success;
 }
 
@@ -374,6 +296,9 @@ Command add_diagnose(CLI::App& app) {
       "told\n"
       "by all of them.\n"
       "Rows in which the vehicle moves, by an odometer or still column, are left out.\n"
+      "With ref_speed_mps and ref_heading_deg the drives between true stops are diagnosed, too: "
+      "scale\n"
+      "factor, asymmetry, misalignment, bias and acceleration sensitivity in motion.\n"
       "With odometer_pulses and ref_speed_mps the odometer is examined, too: motion in stops, "
       "dead\n"
       "band, late messages, double counting, a sensor that dies. Where the vehicle moves in its\n"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/app/gyro_node.hpp"
+#include "firmware/app/message_inputs.hpp"
 #include "firmware/app/node_loop.hpp"
 #include "firmware/app/sample_watch.hpp"
 #include "hal/sim/clock.hpp"
@@ -34,7 +35,11 @@ class DirectFeed {
     const bool is_frozen =
         node_.can_take(sample) &&
         app::watch_before(node_, watch_, sample, driven_at_, sample.time, measured_axes_) != 0;
-    return is_frozen ? node_.step_without_sample(sample.time) : node_.step(sample);
+    app::RateMessage message =
+        is_frozen ? node_.step_without_sample(sample.time) : node_.step(sample);
+    if (sample.has_acceleration && !is_frozen) message.acceleration = sample.acceleration;
+    app::describe_inputs(node_.ticks(), message);
+    return message;
   }
   [[nodiscard]] app::LoopCounters counters() const { return {}; }
 

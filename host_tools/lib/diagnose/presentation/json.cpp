@@ -150,10 +150,49 @@ Json odometer_json(const odometry::OdometerDiagnosis& odometer) {
   return json;
 }
 
+Json drive_gain_json(const DriveGain& gain) {
+  Json json{{"drives_fitted", gain.fitted}, {"drives_held_out", gain.held_out}};
+  add(json, "heading_rms_before_deg", gain.rms_before_deg);
+  add(json, "heading_rms_after_deg", gain.rms_after_deg);
+  add(json, "heading_rms_ratio", gain.rms_ratio);
+  add(json, "coverage95_before", gain.coverage95_before);
+  add(json, "coverage95_after", gain.coverage95_after);
+  add(json, "log_score_gain_nats_per_drive", gain.log_score_nats_per_drive);
+  return json;
+}
+
+Json drives_json(const DriveDiagnosis& drives) {
+  const bool is_examined = drives.obstacle.empty();
+  Json json{{"obstacle", is_examined ? Json() : Json(drives.obstacle)},
+            {"verdict", is_examined ? Json(name(drives.verdict)) : Json()},
+            {"vertical_axis", drives.vertical},
+            {"drives", drives.drives},
+            {"left_out", drives.left_out},
+            {"heading_rms_deg", number(drives.rms_rad * units::kDegPerRad)},
+            {"heading_rms_left_deg", number(drives.rms_left_rad * units::kDegPerRad)},
+            {"scatter_over_expected", number(drives.scatter)},
+            {"causes", Json::array()},
+            {"gain", drive_gain_json(drives.gain)},
+            {"remarks", drives.remarks}};
+  for (const Cause& cause : drives.causes) json["causes"].push_back(cause_json(cause));
+  return json;
+}
+
+Json costs_json(std::span<const Diagnosis> axes, const DriveDiagnosis& drives) {
+  Json json = Json::array();
+  for (const Cost& cost : causes_by_cost(axes, drives)) {
+    const auto& ratio = cost.cause->heading_drift_ratio;
+    json.push_back({{"name", cost.cause->effect},
+                    {"where", cost.where},
+                    {"heading_drift_ratio", ratio ? number(ratio->value) : Json()}});
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string to_json(std::span<const Diagnosis> axes, const std::vector<std::string>& doubts,
-                    const odometry::OdometerDiagnosis* odometer) {
+                    const odometry::OdometerDiagnosis* odometer, const DriveDiagnosis* drives) {
   Json json;
   if (axes.size() == 1) {
     json = axis_json(axes.front());
@@ -162,6 +201,10 @@ std::string to_json(std::span<const Diagnosis> axes, const std::vector<std::stri
     for (const Diagnosis& axis : axes) json["axes"].push_back(axis_json(axis));
   }
   json["doubts"] = doubts;
+  if (drives != nullptr) {
+    json["drives"] = drives_json(*drives);
+    json["causes_by_cost"] = costs_json(axes, *drives);
+  }
   if (odometer != nullptr) json["odometer"] = odometer_json(*odometer);
   return json.dump(2) + "\n";
 }

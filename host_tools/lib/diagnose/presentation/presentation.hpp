@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
+#include "host_tools/lib/diagnose/result/drive_diagnosis.hpp"
 #include "host_tools/lib/odometry/odometer_findings.hpp"
 #include "host_tools/lib/report/chart.hpp"
 #include "host_tools/lib/report/report.hpp"
@@ -35,6 +36,24 @@ namespace zerorate::diagnose {
 
 /// Heading drift before and after on one line: "1.04 to 0.869 deg in 94 s"; empty without drives.
 [[nodiscard]] std::string drift_in_words(const Diagnosis& diagnosis);
+
+/// Drives in words: the error of the heading, the causes, and what is left.
+[[nodiscard]] std::string in_words(const DriveDiagnosis& drives);
+/// Verdict of the drives; "not examined" where they were not.
+[[nodiscard]] std::string verdict_in_words(const DriveDiagnosis& drives);
+[[nodiscard]] std::string causes_in_words(const DriveDiagnosis& drives);
+/// Heading error of the drives held out: "1.41 to 0.196 deg rms over 10 drives"; empty without any.
+[[nodiscard]] std::string drift_in_words(const DriveDiagnosis& drives);
+
+/// A cause of rest or of motion.
+struct Cost {
+  std::string where;  ///< axis, or "drives"
+  const Cause* cause = nullptr;
+};
+/// All causes in the order of what they cost the heading: the least ratio of the errors with their
+/// extension over those without it first.
+[[nodiscard]] std::vector<Cost> causes_by_cost(std::span<const Diagnosis> axes,
+                                               const DriveDiagnosis& drives);
 
 /// "0.0012", or "below 1e-6".
 [[nodiscard]] std::string p_value_in_words(double p);
@@ -66,9 +85,11 @@ namespace zerorate::diagnose {
 /// One axis: the object itself; several: a list of such objects under "axes".
 /// @param doubts  possible signs of motion, under "doubts"
 /// @param odometer  faults of the odometer, under "odometer"; nullptr: not examined
+/// @param drives  under "drives", and with the axes under "causes_by_cost"; nullptr: not examined
 [[nodiscard]] std::string to_json(std::span<const Diagnosis> axes,
                                   const std::vector<std::string>& doubts = {},
-                                  const odometry::OdometerDiagnosis* odometer = nullptr);
+                                  const odometry::OdometerDiagnosis* odometer = nullptr,
+                                  const DriveDiagnosis* drives = nullptr);
 
 struct ReportText {
   std::string title;
@@ -80,6 +101,11 @@ struct ReportText {
 /// density over what the models simulate, the effect over the data, the evidence, what the
 /// extension buys, and the extended model with the commands that run it.
 [[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
+
+/// Adds a section of the drives: causes of rest and motion by their cost, and the errors over the
+/// turns, the time and the way with what the causes explain of them.
+void add_drives(report::Report& report, const DriveDiagnosis& drives,
+                std::span<const Diagnosis> axes);
 
 /// Adds a section with the faults of the odometer.
 void add_odometer(report::Report& report, const odometry::OdometerDiagnosis& odometer);

@@ -1,0 +1,81 @@
+// Records of drives that were written by hand: what was put into the errors is found.
+
+#include "host_tools/lib/diagnose/drive/drive_diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "firmware/model/catalogue.hpp"
+#include "host_tools/lib/random/random_stream.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using units::kRadPerDeg;
+
+constexpr double kNoise_rad = 0.1 * kRadPerDeg;
+
+/// 24 drives whose turns, lengths and paths differ, with independent errors.
+DriveRecord drives_with_noise(double noise_rad) {
+  DriveRecord record;
+  record.vertical = {.axis = 2, .sign = 1.0};
+  const auto stream = random::RandomStream{7}.substream("drives");
+  constexpr int kDrives = 24;
+  for (int k = 0; k < kDrives; ++k) {
+    DriveEvidence drive;
+    drive.departure_s = 100.0 * k;
+    drive.length_s = 40.0 + 5.0 * (k * 7 % 11);
+    drive.moving_s = drive.length_s - 4.0;
+    drive.metres = drive.moving_s * (5.0 + k * 5 % 7);
+    drive.turn_rad = (k % 2 == 0 ? 1.0 : -1.0) * (1.0 + 0.3 * (k * 3 % 10));
+    drive.path_rad = std::abs(drive.turn_rad) + 0.2 * (k * 5 % 13);
+    drive.error_rad = noise_rad * stream.normal(k);
+    record.drives.push_back(drive);
+    record.number.push_back(static_cast<std::size_t>(k));
+  }
+  record.bias_rad2 = Eigen::MatrixXd::Identity(kDrives, kDrives) * kNoise_rad * kNoise_rad;
+  return record;
+}
+
+DriveDiagnosis diagnosed(const DriveRecord& record) {
+  model::SensorModel model = model::find_model("lsm6dso");
+  return diagnose_drives(record, model);
+}
+
+TEST(DrivesByHand, NoiseAloneIsConsistent) {
+  const DriveDiagnosis diagnosis = diagnosed(drives_with_noise(kNoise_rad));
+  EXPECT_TRUE(diagnosis.causes.empty());
+  EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
+}
+
+TEST(DrivesByHand, AShareOfTheTurnIsAScaleFactor) {
+  DriveRecord record = drives_with_noise(kNoise_rad);
+  for (DriveEvidence& drive : record.drives) drive.error_rad += 0.01 * drive.turn_rad;
+  const DriveDiagnosis diagnosis = diagnosed(record);
+  ASSERT_EQ(diagnosis.causes.size(), 1);
+  EXPECT_EQ(diagnosis.causes[0].effect, "scale_factor");
+  const Parameter& percent = diagnosis.causes[0].parameters.at(0);
+  EXPECT_LE(percent.lo, 1.0);
+  EXPECT_GE(percent.hi, 1.0);
+}
+
+TEST(DrivesByHand, AScatterIsTheReferencesUpToALimit) {
+  const DriveDiagnosis small = diagnosed(drives_with_noise(4.0 * kNoise_rad));
+  EXPECT_EQ(small.verdict, Verdict::consistent);
+  ASSERT_EQ(small.remarks.size(), 1);
+  EXPECT_NE(small.remarks[0].find("error of the reference was estimated"), std::string::npos);
+  const DriveDiagnosis large = diagnosed(drives_with_noise(30.0 * kNoise_rad));
+  EXPECT_EQ(large.verdict, Verdict::unexplained);
+}
+
+TEST(DrivesByHand, FewDrivesAreNotDiagnosed) {
+  DriveRecord record = drives_with_noise(kNoise_rad);
+  record.drives.resize(5);
+  EXPECT_NE(diagnosed(record).obstacle.find("6 are needed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace zerorate::diagnose

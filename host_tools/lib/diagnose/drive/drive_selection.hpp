@@ -1,0 +1,63 @@
+/// @file
+/// Choice of the effects that explain the errors of drives.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host_tools/lib/diagnose/drive/motion_effect.hpp"
+
+namespace zerorate::diagnose {
+
+/// An effect in the place that it has beside others.
+struct MotionChoice {
+  const MotionEffect* effect = nullptr;
+  Variant variant;
+  double gain_nats = 0.0;       ///< log likelihood that is lost without it
+  double surprisal_nats = 0.0;  ///< log of the odds of such a gain by chance, its variants counted
+  double evidence_nats = 0.0;   ///< gain less what the freedom of its coefficients costs
+};
+
+class MotionSelection {
+ public:
+  MotionSelection(const DriveRecord& record,
+                  std::span<const std::unique_ptr<MotionEffect>> effects);
+
+  /// Adds the likeliest effect while one is surprising, and drops those that are superfluous then.
+  [[nodiscard]] std::vector<MotionChoice> choose() const;
+  /// Every effect that can be examined, in its best variant beside those that are chosen; the most
+  /// likely one first.
+  [[nodiscard]] std::vector<MotionChoice> examine(const std::vector<MotionChoice>& chosen) const;
+  /// A choice, weighed beside the others.
+  [[nodiscard]] MotionChoice weighed(const MotionEffect& effect, const Variant& variant,
+                                     std::size_t variants,
+                                     const std::vector<MotionChoice>& others) const;
+  [[nodiscard]] DriveFit fit(const std::vector<MotionChoice>& choices) const;
+
+ private:
+  void drop_superfluous(std::vector<MotionChoice>& chosen) const;
+  /// Whether a choice is still surprising with any one drive left out: a single drive in which the
+  /// reference is at fault makes no cause.
+  [[nodiscard]] bool rests_on_many_drives(const MotionChoice& choice,
+                                          const std::vector<MotionChoice>& others) const;
+
+  const DriveRecord& record_;
+  std::span<const std::unique_ptr<MotionEffect>> effects_;
+  DriveRegression regression_;
+};
+
+/// Some drives of a record, by their places in increasing order.
+[[nodiscard]] DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& places);
+/// Their shares.
+[[nodiscard]] Share picked(const Share& share, const std::vector<std::size_t>& places);
+
+/// Shares of all choices side by side.
+[[nodiscard]] Share joint_share(const std::vector<MotionChoice>& choices, std::size_t drives);
+
+/// The choices without one of them.
+[[nodiscard]] std::vector<MotionChoice> without(const std::vector<MotionChoice>& choices,
+                                                std::size_t left_out);
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host_tools/lib/diagnose/drive/motion_effect.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+/// Component of the vertical along one of the other axes, with its standard deviation: the share of
+/// a turn that this axis measures. A body that leans outwards in curves shows it a share of the
+/// path.
+Estimate component_of(const DriveRecord& record, std::size_t axis) {
+  Eigen::MatrixXd x(static_cast<Eigen::Index>(record.size()), 2);
+  x.col(0) = column_of(record, [](const DriveEvidence& drive) { return drive.turn_rad; });
+  x.col(1) = column_of(record, [](const DriveEvidence& drive) { return drive.path_rad; });
+  const Eigen::VectorXd y =
+      column_of(record, [&](const DriveEvidence& drive) { return drive.turned_rad.at(axis); });
+  const Eigen::Matrix2d inverse =
+      (x.transpose() * x).completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::Vector2d shares = inverse * (x.transpose() * y);
+  const double freedom = static_cast<double>(record.size()) - 2.0;
+  const double sigma = std::sqrt((y - x * shares).squaredNorm() / freedom * inverse(0, 0));
+  return {shares[0], student_half_width95(freedom) * sigma, sigma};
+}
+
+/// Tilt of the vertical axis, by what the two others measure of the turns.
+struct MeasuredTilt {
+  std::array<Estimate, 2> sines;
+  std::array<std::size_t, 2> axes;
+
+  /// The square of the sine without what errors add to it; 0 where it is within them.
+  [[nodiscard]] double squared_sine() const {
+    double squares = 0.0;
+    double errors = 0.0;
+    for (const Estimate& sine : sines) {
+      squares += sine.value * sine.value;
+      errors += sine.sigma * sine.sigma;
+    }
+    constexpr double kPlain = 9.0;  // three standard deviations of both
+    return squares > kPlain * errors ? squares - errors : 0.0;
+  }
+  [[nodiscard]] double loss() const { return 1.0 - std::sqrt(1.0 - std::min(squared_sine(), 1.0)); }
+};
+
+MeasuredTilt tilt_of(const DriveRecord& record) {
+  const std::size_t vertical = record.vertical.axis;
+  const std::array<std::size_t, 2> axes{(vertical + 1) % 3, (vertical + 2) % 3};
+  return {{component_of(record, axes[0]), component_of(record, axes[1])}, axes};
+}
+
+class Misalignment final : public MotionEffect {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "misalignment"; }
+  [[nodiscard]] std::string obstacle(const DriveRecord& record) const override {
+    if (record.axis_count < 3) return "one axis";
+    return tilt_of(record).squared_sine() > 0.0 ? ""
+                                                : "the other axes measure no share of the turns";
+  }
+  /// The other axes measure the tilt, so that its share of the errors is known.
+  [[nodiscard]] std::vector<Variant> variants(const DriveRecord& record) const override {
+    const MeasuredTilt tilt = tilt_of(record);
+    // The turn about the vertical is the sum of its components over all axes.
+    const auto share = [&](const DriveEvidence& drive) {
+      double rad = tilt.loss() * record.vertical.sign * drive.turned_rad.at(record.vertical.axis);
+      for (std::size_t i = 0; i < 2; ++i) {
+        rad -= tilt.sines[i].value * drive.turned_rad.at(tilt.axes[i]);
+      }
+      return rad;
+    };
+    return {
+        {.by = {}, .share = {.columns = {}, .known = column_of(record, share)}, .prior_sigma = {}}};
+  }
+  [[nodiscard]] MotionDescription describe(const MotionFinding& finding) const override {
+    const MeasuredTilt tilt = tilt_of(*finding.record);
+    const double sine = std::sqrt(tilt.squared_sine());
+    // The error of the angle is that of the share in its own direction.
+    double sigma = 0.0;
+    double half_width = 0.0;
+    for (const Estimate& one : tilt.sines) {
+      sigma = std::hypot(sigma, one.value * one.sigma / sine);
+      half_width = std::hypot(half_width, one.value * one.half_width / sine);
+    }
+    const double per_sine = units::kDegPerRad / std::sqrt(1.0 - sine * sine);
+    const Estimate angle{std::asin(sine) * units::kDegPerRad, half_width * per_sine,
+                         sigma * per_sine};
+    MotionDescription description{
+        .parameters = {angle.parameter("tilt_deg")},
+        .sentence = fmt::format("The axis stands askew by {:.3g} deg [{:.3g}, {:.3g}], by what the "
+                                "other axes measure of "
+                                "the turns, and measures {:.3g} % less of them.",
+                                angle.value, angle.lo(), angle.hi(), 100.0 * tilt.loss())};
+    for (std::size_t i = 0; i < 2; ++i) {
+      description.parameters.push_back(
+          (tilt.sines[i] * 100.0)
+              .parameter(fmt::format("turn_on_{}_percent", "xyz"[tilt.axes[i]])));
+    }
+    return description;
+  }
+  std::string add_to_model(const MotionFinding& finding, model::SensorModel& model) const override {
+    model::ScaleFactor scale = model.scale_factor.value_or(model::ScaleFactor{});
+    double& known = scale.error.at(finding.record->vertical.axis);
+    known = (1.0 + known) * (1.0 - tilt_of(*finding.record).loss()) - 1.0;
+    scale.source = "cosine of the tilt, identified over drives by zerorate diagnose";
+    model.scale_factor = scale;
+    return {};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<MotionEffect> make_misalignment() {
+  return std::make_unique<Misalignment>();
+}
+
+}  // namespace zerorate::diagnose

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tools/lib/diagnose/presentation/presentation.hpp"
+#include "host_tools/lib/units/units.hpp"
+
+namespace zerorate::diagnose {
+namespace {
+
+using units::in_figures;
+using units::kDegPerRad;
+
+std::string rivals_in_words(const Cause& cause) {
+  std::vector<std::string> names;
+  for (const Explanation& one : cause.set95) {
+    names.push_back(fmt::format("{} ({:.0f} %)", plain_name(one.effect), 100.0 * one.probability));
+  }
+  return cause.stands_alone()
+             ? ""
+             : fmt::format(" These drives cannot decide: it is one of {}.", fmt::join(names, ", "));
+}
+
+/// Errors over a figure of the drives, and what the causes explain of them.
+template <class Figure>
+report::Chart chart_over(const DriveDiagnosis& drives, std::string title, report::Axis x,
+                         const Figure& figure) {
+  report::Chart chart{.title = std::move(title),
+                      .caption =
+                          "Each point is a drive between two true stops: its error, and the "
+                          "share of the causes. What lies between them is left.",
+                      .x = std::move(x),
+                      .y = {"Heading error", "deg"}};
+  report::Series error{
+      .name = "error", .style = report::SeriesStyle::points, .colour = report::Colour::ink};
+  report::Series share{.name = "by the causes",
+                       .style = report::SeriesStyle::points,
+                       .colour = report::Colour::blue};
+  std::vector<DrivePoint> points = drives.points;
+  std::ranges::sort(points, {}, figure);
+  for (const DrivePoint& point : points) {
+    error.x.push_back(figure(point));
+    error.y.push_back(point.error_rad * kDegPerRad);
+    share.x.push_back(figure(point));
+    share.y.push_back(point.share_rad * kDegPerRad);
+  }
+  chart.series.push_back(std::move(error));
+  if (!drives.causes.empty()) chart.series.push_back(std::move(share));
+  return chart;
+}
+
+report::Table cost_table(std::span<const Diagnosis> axes, const DriveDiagnosis& drives) {
+  report::Table table{
+      .caption =
+          "Causes of rest and of motion in the order of what they cost the heading: its error "
+          "with the cause taken off over that without, on data held out.",
+      .columns = {{"Cause"}, {"Where"}, {"Ratio"}, {"95 % interval"}}};
+  for (const Cost& cost : causes_by_cost(axes, drives)) {
+    const auto& ratio = cost.cause->heading_drift_ratio;
+    table.rows.push_back(
+        {plain_name(cost.cause->effect), cost.where,
+         ratio ? in_figures(ratio->value) : "not measured",
+         ratio ? fmt::format("{} to {}", in_figures(ratio->lo), in_figures(ratio->hi)) : ""});
+  }
+  return table;
+}
+
+report::Table figures_table(const DriveDiagnosis& drives) {
+  report::Table table{.caption = "Causes in motion and their figures.",
+                      .columns = {{"Cause"}, {"Parameter"}, {"Value"}, {"95 % interval"}}};
+  for (const Cause& cause : drives.causes) {
+    for (const Parameter& parameter : cause.parameters) {
+      table.rows.push_back(
+          {plain_name(cause.effect), plain_parameter(parameter.name), in_figures(parameter.value),
+           fmt::format("{} to {}", in_figures(parameter.lo), in_figures(parameter.hi))});
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+std::string verdict_in_words(const DriveDiagnosis& drives) {
+  return drives.obstacle.empty() ? std::string(name(drives.verdict)) : "not examined";
+}
+
+std::string causes_in_words(const DriveDiagnosis& drives) {
+  std::vector<std::string> names;
+  for (const Cause& cause : drives.causes) {
+    names.push_back(
+        fmt::format("{} ({:.0f} %)", plain_name(cause.effect), 100.0 * cause.probability));
+  }
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string drift_in_words(const DriveDiagnosis& drives) {
+  const DriveGain& gain = drives.gain;
+  if (gain.held_out == 0) return {};
+  const std::string before = in_figures(gain.rms_before_deg.value);
+  const std::string after = in_figures(gain.rms_after_deg.value);
+  if (before == after) return fmt::format("{} deg rms over {} drives", before, gain.held_out);
+  return fmt::format("{} to {} deg rms over {} drives", before, after, gain.held_out);
+}
+
+std::string in_words(const DriveDiagnosis& drives) {
+  if (!drives.obstacle.empty()) return "The drives are not diagnosed: " + drives.obstacle + ".";
+  std::string text = fmt::format(
+      "Over {} drives between true stops the heading errs by {} deg rms about axis {}, with the "
+      "bias "
+      "between the stops taken off.",
+      drives.drives, in_figures(drives.rms_rad * kDegPerRad), drives.vertical);
+  for (const Cause& cause : drives.causes) text += " " + cause.sentence + rivals_in_words(cause);
+  if (!drives.causes.empty()) {
+    text +=
+        fmt::format(" Without {} {} deg rms are left.", drives.causes.size() == 1 ? "it" : "them",
+                    in_figures(drives.rms_left_rad * kDegPerRad));
+  }
+  if (drives.verdict == Verdict::unexplained) {
+    text += fmt::format(
+        " What is left is {:.2g} times what noise, bias and reference let expect, and no effect of "
+        "the catalogue explains it; a reference may err more on the way than at its stops.",
+        drives.scatter);
+  }
+  for (const Cause& cause : drives.causes) {
+    if (cause.in_model) continue;
+    text += fmt::format(" The model leaves out the {}: {}.", plain_name(cause.effect),
+                        cause.left_out_because);
+  }
+  return text;
+}
+
+std::vector<Cost> causes_by_cost(std::span<const Diagnosis> axes, const DriveDiagnosis& drives) {
+  std::vector<Cost> costs;
+  for (const Cause& cause : drives.causes) costs.push_back({"drives", &cause});
+  for (const Diagnosis& axis : axes) {
+    for (const Cause& cause : axis.causes) costs.push_back({axis.axis, &cause});
+  }
+  std::ranges::stable_sort(costs, {}, [](const Cost& cost) {
+    const auto& ratio = cost.cause->heading_drift_ratio;
+    return ratio ? ratio->value : std::numeric_limits<double>::infinity();
+  });
+  return costs;
+}
+
+void add_drives(report::Report& report, const DriveDiagnosis& drives,
+                std::span<const Diagnosis> axes) {
+  auto& section = report.section("Drives: " + verdict_in_words(drives));
+  section.paragraph(in_words(drives));
+  for (const std::string& remark : drives.remarks) section.paragraph(remark);
+  if (drives.points.empty()) return;
+  if (!causes_by_cost(axes, drives).empty()) section.table(cost_table(axes, drives));
+  if (!drives.causes.empty()) section.table(figures_table(drives));
+  section
+      .chart(chart_over(drives, "Heading error over the turn", {"Turn", "deg"},
+                        [](const DrivePoint& point) { return point.turn_rad * kDegPerRad; }))
+      .chart(chart_over(drives, "Heading error over the time in motion", {"Time in motion", "s"},
+                        [](const DrivePoint& point) { return point.moving_s; }))
+      .chart(chart_over(drives, "Heading error over the speed", {"Mean speed", "m/s"},
+                        [](const DrivePoint& point) { return point.metres / point.moving_s; }))
+      .chart(chart_over(drives, "Heading error drive by drive", {"Departure", "s"},
+                        [](const DrivePoint& point) { return point.departure_s; }));
+}
+
+}  // namespace zerorate::diagnose
