@@ -30,6 +30,7 @@ class RestFilter {
       pulses = pulses_in(row);
       take_pulses(pulses, at);
     }
+    if (is_after_break(row, at)) driven_ = true;
     row_before_ = at;
     if (!is_usable(row, at)) {
       ++samples_.lost;
@@ -54,6 +55,13 @@ class RestFilter {
     }
   }
   [[nodiscard]] bool has_motion_column() const { return columns_.odometer || columns_.still; }
+
+  /// Whether the clock stepped or a long pause came before the row: what it shows begins anew.
+  [[nodiscard]] bool is_after_break(const recording::Row& row, core::Instant at) const {
+    constexpr core::Duration kLongPause = core::Duration::seconds(30);
+    return row.findings.has(recording::Finding::clock_step) ||
+           (row.findings.has(recording::Finding::gap) && at - row_before_ > kLongPause);
+  }
 
   /// None at rest; a single one may be a creeping vehicle's, which the word of a column is not.
   std::int64_t pulses_in(const recording::Row& row) {
@@ -154,12 +162,104 @@ void leave_out_wild_start(RestSamples& samples) {
   samples.wild = wild;
 }
 
+/// Outliers of one axis over a block of samples.
+class OutlierSearch {
+ public:
+  OutlierSearch(const RestSamples& samples, std::size_t axis) : samples_(samples), axis_(axis) {}
+
+  void search(std::size_t first, std::size_t end, std::vector<std::size_t>& found) const {
+    constexpr double kSigmas = 20.0;
+    std::vector<double> rates;
+    for (std::size_t k = first; k < end; ++k) rates.push_back(rate(k));
+    const double sigma = statistics::sigma_of_changes(rates);
+    const double limit = kSigmas * (sigma > 0.0 ? sigma : least_change(rates));
+    if (!(limit > 0.0)) return;
+    const double level = statistics::median_of(std::move(rates));
+    for (std::size_t k = first; k < end; ++k) {
+      // Most samples are near the level of the block, and those around them need no look.
+      if (std::abs(rate(k) - level) > limit / 2.0 && std::abs(rate(k) - level_around(k)) > limit)
+        found.push_back(k);
+    }
+  }
+
+ private:
+  [[nodiscard]] double rate(std::size_t k) const { return double{samples_.rate_rad_s[k][axis_]}; }
+
+  [[nodiscard]] double level_around(std::size_t k) const {
+    constexpr std::size_t kEachSide = 5;
+    const std::size_t last = samples_.time.size() - 1;
+    const std::size_t first = std::min(k > kEachSide ? k - kEachSide : 0,
+                                       last > 2 * kEachSide ? last - 2 * kEachSide : 0);
+    std::vector<double> around;
+    for (std::size_t i = first; i <= std::min(last, first + 2 * kEachSide); ++i)
+      around.push_back(rate(i));
+    return statistics::median_of(std::move(around));
+  }
+
+  /// Least change that is none of zero: the resolution, where most neighbours are equal.
+  static double least_change(const std::vector<double>& rates) {
+    double least = 0.0;
+    for (std::size_t k = 1; k < rates.size(); ++k) {
+      const double change = std::abs(rates[k] - rates[k - 1]);
+      if (change > 0.0 && (least == 0.0 || change < least)) least = change;
+    }
+    return least;
+  }
+
+  const RestSamples& samples_;
+  std::size_t axis_;
+};
+
 }  // namespace
+
+std::vector<std::size_t> find_outliers(const RestSamples& samples) {
+  constexpr std::size_t kBlock = 4096;
+  constexpr std::size_t kFewest = 64;
+  std::vector<std::size_t> found;
+  const std::size_t size = samples.time.size();
+  if (size < kFewest) return found;
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+    const OutlierSearch outliers{samples, axis};
+    for (std::size_t first = 0; first < size; first += kBlock) {
+      const std::size_t end = std::min(size, first + kBlock);
+      // A short rest is judged with samples of the block before it.
+      outliers.search(end - first < kFewest ? end - kFewest : first, end, found);
+    }
+  }
+  std::ranges::sort(found);
+  const auto copies = std::ranges::unique(found);
+  found.erase(copies.begin(), copies.end());
+  return found;
+}
+
+RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& indices) {
+  RestSamples rest = samples;
+  const auto is_left_out = [&](std::size_t k) { return std::ranges::binary_search(indices, k); };
+  const auto leave_out = [&](auto& values) {
+    if (values.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (!is_left_out(k)) values[kept++] = values[k];
+    }
+    values.resize(kept);
+  };
+  leave_out(rest.time);
+  leave_out(rest.rate_rad_s);
+  leave_out(rest.temperature_degc);
+  leave_out(rest.acceleration_m_s2);
+  for (std::size_t& k : rest.after_drives) {
+    k -= static_cast<std::size_t>(std::ranges::lower_bound(indices, k) - indices.begin());
+  }
+  std::erase_if(rest.after_drives, [&](std::size_t k) { return k >= rest.time.size(); });
+  rest.outliers += indices.size();
+  return rest;
+}
 
 RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& options) {
   constexpr std::uint64_t kProgressRows = 4096;
   RestSamples samples;
   samples.axis_count = reader.columns().axis_count;
+  samples.is_timed_by_rows = reader.columns().is_timed_by_rows;
   RestFilter filter{reader.columns(), options.standstill, samples};
   for (recording::Row row; reader.next(row);) {
     filter.take(row);
@@ -173,6 +273,10 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   leave_out_wild_start(samples);
   if (samples.time.size() < 2) {
     throw recording::DataError("the recording has fewer than two usable samples at rest");
+  }
+  if (const std::uint64_t used = samples.rows - samples.lost; 2 * used < samples.rows) {
+    throw recording::DataError(fmt::format(
+        "{} of {} rows have no rate on all axes: too few are left", samples.lost, samples.rows));
   }
   return samples;
 }
