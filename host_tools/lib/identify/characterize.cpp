@@ -216,18 +216,17 @@ model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_per
   return named_model(fit, shortest_time_constant_s(sample_period), recording, axis);
 }
 
-core::Duration identification_tick(core::Duration length, core::Duration sample_period) {
+core::Duration identification_tick(core::Duration span, core::Duration sample_period) {
   constexpr std::int64_t kFewTicks = 1024;
   constexpr std::int64_t kManyTicks = 65'536;
   core::Duration tick = std::max(core::Duration::milliseconds(500), sample_period);
-  while (length / tick < kFewTicks && tick / 2 >= sample_period) tick = tick / 2;
-  while (length / tick > kManyTicks) tick = tick * 2;
+  while (span / tick < kFewTicks && tick / 2 >= sample_period) tick = tick / 2;
+  while (span / tick > kManyTicks) tick = tick * 2;
   return tick;
 }
 
 core::Duration identification_tick(const RestSamples& samples) {
-  return identification_tick(samples.length(),
-                             std::max(samples.sample_period, samples.mean_period));
+  return identification_tick(samples.span(), std::max(samples.sample_period, samples.mean_period));
 }
 
 RestSamples without_outliers(const RestSamples& samples) {

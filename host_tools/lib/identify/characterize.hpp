@@ -82,8 +82,7 @@ struct CharacterizeOptions {
 /// valid there. It is shorter for records of less than 1024 such ticks, down to the sample period,
 /// and doubled beyond 65,536 ticks (9 h) to bound the cost: a mean over seconds keeps all flicker
 /// noise that matters over hours.
-[[nodiscard]] core::Duration identification_tick(core::Duration length,
-                                                 core::Duration sample_period);
+[[nodiscard]] core::Duration identification_tick(core::Duration span, core::Duration sample_period);
 /// Period of the samples, which may come in bursts: never shorter than their mean interval.
 [[nodiscard]] core::Duration identification_tick(const RestSamples& samples);
 

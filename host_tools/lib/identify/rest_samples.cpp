@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -30,7 +31,10 @@ class RestFilter {
       pulses = pulses_in(row);
       take_pulses(pulses, at);
     }
-    if (is_after_break(row, at)) driven_ = true;
+    if (is_after_break(row, at)) {
+      driven_ = true;
+      paused_ = paused_ + (at - row_before_);
+    }
     row_before_ = at;
     if (!is_usable(row, at)) {
       ++samples_.lost;
@@ -41,6 +45,8 @@ class RestFilter {
     } else {
       if (driven_ && !samples_.time.empty()) samples_.after_drives.push_back(samples_.time.size());
       driven_ = false;
+      if (!samples_.time.empty()) samples_.paused = samples_.paused + paused_;
+      paused_ = {};
       samples_.time.push_back(at);
       samples_.rate_rad_s.push_back(row.rate_rad_s);
       if (columns_.temperature) samples_.temperature_degc.push_back(row.temperature_degc);
@@ -102,6 +108,7 @@ class RestFilter {
   RestSamples& samples_;
   core::Instant row_before_;
   std::int64_t pulses_ = 0;  ///< pulses of the row before
+  core::Duration paused_;    ///< since the newest sample at rest
   bool driven_ = false;      ///< since the newest sample at rest
 };
 
@@ -162,48 +169,63 @@ void leave_out_wild_start(RestSamples& samples) {
   samples.wild = wild;
 }
 
-/// Outliers of one axis over a block of samples.
+/// Outliers of one axis: runs that a jump begins and a jump back ends.
 class OutlierSearch {
  public:
   OutlierSearch(const RestSamples& samples, std::size_t axis) : samples_(samples), axis_(axis) {}
 
+  /// Whether a block has a change that is large beside the others.
+  [[nodiscard]] bool may_have_outliers(std::size_t first, std::size_t end) const {
+    constexpr double kLarge = 15.0;  // 20 standard deviations are 18 mean changes
+    double sum = 0.0;
+    double most = 0.0;
+    for (std::size_t k = std::max<std::size_t>(first, 1); k < end; ++k) {
+      sum += change(k);
+      most = std::max(most, change(k));
+    }
+    return most * static_cast<double>(end - first) > kLarge * sum;
+  }
+
   void search(std::size_t first, std::size_t end, std::vector<std::size_t>& found) const {
-    constexpr double kSigmas = 20.0;
-    std::vector<double> rates;
-    for (std::size_t k = first; k < end; ++k) rates.push_back(rate(k));
-    const double sigma = statistics::sigma_of_changes(rates);
-    const double limit = kSigmas * (sigma > 0.0 ? sigma : least_change(rates));
-    if (!(limit > 0.0)) return;
-    const double level = statistics::median_of(std::move(rates));
-    for (std::size_t k = first; k < end; ++k) {
-      // Most samples are near the level of the block, and those around them need no look.
-      if (std::abs(rate(k) - level) > limit / 2.0 && std::abs(rate(k) - level_around(k)) > limit)
-        found.push_back(k);
+    const double limit = limit_in(first, end);
+    for (std::size_t k = std::max<std::size_t>(first, 1); k < end; ++k) {
+      if (!(change(k) > limit)) continue;
+      const std::size_t run = run_at(k);
+      for (std::size_t i = 0; i < run; ++i) found.push_back(k + i);
+      k += run;
     }
   }
 
  private:
   [[nodiscard]] double rate(std::size_t k) const { return double{samples_.rate_rad_s[k][axis_]}; }
+  [[nodiscard]] double change(std::size_t k) const { return std::abs(rate(k) - rate(k - 1)); }
 
-  [[nodiscard]] double level_around(std::size_t k) const {
-    constexpr std::size_t kEachSide = 5;
-    const std::size_t last = samples_.time.size() - 1;
-    const std::size_t first = std::min(k > kEachSide ? k - kEachSide : 0,
-                                       last > 2 * kEachSide ? last - 2 * kEachSide : 0);
-    std::vector<double> around;
-    for (std::size_t i = first; i <= std::min(last, first + 2 * kEachSide); ++i)
-      around.push_back(rate(i));
-    return statistics::median_of(std::move(around));
+  /// Samples from k on that lie apart from those before and behind them; 0 where none do.
+  [[nodiscard]] std::size_t run_at(std::size_t k) const {
+    constexpr std::size_t kLongest = 5;
+    constexpr std::size_t kAround = 32;
+    const std::size_t size = samples_.time.size();
+    const double limit = limit_in(k > kAround ? k - kAround : 0, std::min(size, k + kAround));
+    if (!(change(k) > limit)) return 0;
+    for (std::size_t run = 1; run <= kLongest && k + run < size; ++run) {
+      if (change(k + run) > limit && std::abs(rate(k + run) - rate(k - 1)) < 0.5 * limit)
+        return run;
+    }
+    return 0;
   }
 
-  /// Least change that is none of zero: the resolution, where most neighbours are equal.
-  static double least_change(const std::vector<double>& rates) {
-    double least = 0.0;
-    for (std::size_t k = 1; k < rates.size(); ++k) {
-      const double change = std::abs(rates[k] - rates[k - 1]);
-      if (change > 0.0 && (least == 0.0 || change < least)) least = change;
+  /// Twenty standard deviations of the white noise of some samples; steps, where most are equal.
+  [[nodiscard]] double limit_in(std::size_t first, std::size_t end) const {
+    constexpr double kSigmas = 20.0;
+    std::vector<double> rates;
+    for (std::size_t k = first; k < end; ++k) rates.push_back(rate(k));
+    const double sigma = statistics::sigma_of_changes(rates);
+    if (sigma > 0.0) return kSigmas * sigma;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = first + 1; k < end; ++k) {
+      if (change(k) > 0.0) least = std::min(least, change(k));
     }
-    return least;
+    return kSigmas * least;
   }
 
   const RestSamples& samples_;
@@ -223,7 +245,8 @@ std::vector<std::size_t> find_outliers(const RestSamples& samples) {
     for (std::size_t first = 0; first < size; first += kBlock) {
       const std::size_t end = std::min(size, first + kBlock);
       // A short rest is judged with samples of the block before it.
-      outliers.search(end - first < kFewest ? end - kFewest : first, end, found);
+      const std::size_t begin = end - first < kFewest ? end - kFewest : first;
+      if (outliers.may_have_outliers(begin, end)) outliers.search(begin, end, found);
     }
   }
   std::ranges::sort(found);
@@ -234,6 +257,7 @@ std::vector<std::size_t> find_outliers(const RestSamples& samples) {
 
 RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& indices) {
   RestSamples rest = samples;
+  if (indices.empty()) return rest;
   const auto is_left_out = [&](std::size_t k) { return std::ranges::binary_search(indices, k); };
   const auto leave_out = [&](auto& values) {
     if (values.empty()) return;

@@ -2,7 +2,6 @@
 /// The samples of a recording that were measured at rest, and their means over filter ticks.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +42,7 @@ struct RestSamples {
   /// Values near zero in rows with motion, of each axis.
   std::array<LevelsNearZero, recording::kMaxAxes> levels_on_the_move;
 
+  core::Duration paused;       ///< clock steps and long pauses between samples, together
   std::uint64_t rows = 0;      ///< rows of the recording
   std::uint64_t moving = 0;    ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;      ///< rows left out because a rate is missing or time does not advance
@@ -50,10 +50,8 @@ struct RestSamples {
   std::uint64_t outliers = 0;  ///< rows left out by without()
   recording::Findings findings;
 
-  /// Length of the samples together: gaps are no time at rest.
-  [[nodiscard]] core::Duration length() const {
-    return std::max(sample_period, mean_period) * static_cast<std::int64_t>(time.size());
-  }
+  /// Time from the first sample to the last, without the pauses.
+  [[nodiscard]] core::Duration span() const { return time.back() - time.front() - paused; }
   /// Name of an axis: "x", or "rate" where there is only one.
   [[nodiscard]] std::string axis_name(std::size_t axis) const {
     return axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]);

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -96,7 +98,8 @@ TEST(BlocksOutOfOrder, AreSorted) {
   stamps.add_even(250.0, 0.1, 500);
   const auto reading = stamps.read();
   ASSERT_EQ(reading.time_s.size(), 3000U);
-  for (std::size_t k = 0; k < 3000; ++k) ASSERT_NEAR(reading.time_s[k], 0.1 * k, 1e-6) << k;
+  for (int k = 0; k < 3000; ++k)
+    ASSERT_NEAR(reading.time_s[static_cast<std::size_t>(k)], 0.1 * k, 1e-6) << k;
   EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
 }
 
@@ -118,7 +121,8 @@ TEST(SamplesThatShareAStamp, AreSpreadEvenly) {
   Stamps stamps;
   for (int k = 0; k < 100; ++k) stamps.add(k / 5);
   const auto reading = stamps.read();
-  for (std::size_t k = 0; k < 100; ++k) ASSERT_NEAR(reading.time_s[k], 0.2 * k, 1e-6) << k;
+  for (int k = 0; k < 100; ++k)
+    ASSERT_NEAR(reading.time_s[static_cast<std::size_t>(k)], 0.2 * k, 1e-6) << k;
   EXPECT_EQ(doubt_of_rows(reading.findings), "the time stamps of 81 % of the rows were repaired");
 }
 
