@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
@@ -48,6 +51,23 @@ Difference difference_of_turns(const RestSamples& samples, std::size_t axis, std
   return difference;
 }
 
+/// Median change from every sample to the one `lag` behind it.
+double median_change(const RestSamples& samples, std::size_t axis, std::size_t lag) {
+  constexpr std::size_t kMost = 100'000;
+  std::vector<double> changes;
+  for (std::size_t k = lag; k < std::min(samples.time.size(), kMost); ++k) {
+    changes.push_back(
+        std::abs(double{samples.rate_rad_s[k][axis]} - double{samples.rate_rad_s[k - lag][axis]}));
+  }
+  return statistics::median_of(std::move(changes));
+}
+
+/// Whether neighbours differ more than every second sample: in turn, also where some are lost.
+bool takes_turns(const RestSamples& samples, std::size_t axis) {
+  constexpr double kLarger = 1.25;
+  return median_change(samples, axis, 1) > kLarger * median_change(samples, axis, 2);
+}
+
 }  // namespace
 
 std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
@@ -68,7 +88,8 @@ std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
         different += found.size > kErrors * found.error ? 1U : 0U;
         sum_rad_s += found.size;
       }
-      if (2 * different <= judged) continue;
+      const bool alternates = sensors == 2 && takes_turns(samples, axis);
+      if (2 * different <= judged && !alternates) continue;
       return fmt::format(
           "axis {}: every {} sample has a level of its own, {:.3g} deg/s from the others: {} "
           "sensors in one file? One of them is read by --where COLUMN=VALUE",

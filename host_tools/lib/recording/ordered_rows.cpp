@@ -165,6 +165,11 @@ bool OrderedRows::fills_a_hole(std::size_t later, std::size_t end) const {
   for (std::size_t k = judged_; k < end; ++k) {
     until_ns = std::max(until_ns, on_time_line(ahead_[k].row));
   }
+  // They go on behind a row, or lead to one.
+  const bool has_before = later > begin_ || given_ > 0;
+  const std::int64_t before_ns = later > begin_ ? ahead_[later - 1].row.time_ns : given_ns_;
+  const bool goes_on = has_before && earliest_ns - before_ns <= longest_step_ns_;
+  if (!goes_on && ahead_[later].row.time_ns - until_ns > longest_step_ns_) return false;
   std::size_t rows = end - judged_;
   for (std::size_t k = later; k < judged_; ++k) rows += ahead_[k].row.time_ns <= until_ns ? 1U : 0U;
   const double room = static_cast<double>(until_ns - earliest_ns) / static_cast<double>(period_ns_);
@@ -194,7 +199,7 @@ bool OrderedRows::leave_out_stray(std::size_t later, std::size_t end) {
 
 void OrderedRows::leave_out(std::size_t first, std::size_t end) {
   if (left_out_.stray == 0) left_out_.first_stray_line = ahead_[first].line;
-  left_out_.stray += end - first;
+  count_disorder(ahead_[first].line, end - first, left_out_.stray);
   ahead_.erase(ahead_.begin() + static_cast<std::ptrdiff_t>(first),
                ahead_.begin() + static_cast<std::ptrdiff_t>(end));
 }
@@ -214,21 +219,25 @@ void OrderedRows::sort(std::size_t later, std::size_t end) {
 }
 
 void OrderedRows::step_clock() {
-  constexpr std::uint64_t kFewest = 20;
-  constexpr std::uint64_t kRowsAStep = 100;
   NumberedRow& row = ahead_[judged_];
   offset_ns_ = latest_ns_ + std::max(kPauseAtClockStep_ns, 20 * period_ns_) - row.row.time_ns;
   row.row.findings.add(Finding::clock_step);
-  const std::uint64_t rows = given_ + (judged_ - begin_);
-  if (++steps_ > kFewest && steps_ > rows / kRowsAStep) {
-    throw Error{
-        {name_, row.line},
-        fmt::format("the {}th time that runs backwards, in {} rows", steps_, rows),
-        "stamps that advance",
-        "Rows of several sensors in turn? One is picked by --where COLUMN=VALUE; rows without "
-        "usable stamps are read by --rows-at HZ."};
-  }
+  count_disorder(row.line, 1, steps_);
   judge_next();
+}
+
+void OrderedRows::count_disorder(std::uint64_t line, std::uint64_t more, std::uint64_t& count) {
+  constexpr std::uint64_t kFewest = 40;
+  constexpr std::uint64_t kOneOf = 50;
+  const std::uint64_t rows = given_ + (judged_ - begin_);
+  count += more;
+  if (count <= kFewest || count <= rows / kOneOf) return;
+  throw Error{
+      {name_, line},
+      fmt::format("the {}th time that runs backwards, in {} rows", count, rows),
+      "stamps that advance",
+      "Rows of several sensors in turn? One is picked by --where COLUMN=VALUE; rows without "
+      "usable stamps are read by --rows-at HZ."};
 }
 
 void OrderedRows::measure_period() {
@@ -245,9 +254,11 @@ void OrderedRows::measure_period() {
   std::ranges::sort(intervals);
   const auto advancing = std::ranges::upper_bound(intervals, 0);
   period_ns_ = 1;
+  longest_step_ns_ = kGapPeriods;
   if (advancing == intervals.end()) return;
   const std::int64_t median_ns = advancing[(intervals.end() - advancing) / 2];
-  const auto gaps = std::ranges::upper_bound(intervals, kGapPeriods * median_ns);
+  longest_step_ns_ = kGapPeriods * median_ns;
+  const auto gaps = std::ranges::upper_bound(intervals, longest_step_ns_);
   const std::int64_t sum_ns = std::accumulate(intervals.begin(), gaps, std::int64_t{0});
   period_ns_ = std::max<std::int64_t>(1, sum_ns / (gaps - intervals.begin()));
 }

@@ -31,7 +31,8 @@ inline constexpr std::int64_t kPauseAtClockStep_ns = 2'000'000'000;
 ///   after a pause.
 ///
 /// Memory: two times kSortedRows rows, taken at once. Throws Error where the clock steps in more
-/// than one row of a hundred.
+/// than one row of fifty, or stamps
+/// stray in as many.
 class OrderedRows : public RowSource {
  public:
   /// @param name  of the recording, for messages
@@ -65,18 +66,21 @@ class OrderedRows : public RowSource {
   void leave_out(std::size_t first, std::size_t end);
   void sort(std::size_t later, std::size_t end);
   void step_clock();
+  /// Counts rows whose stamps go astray. Throws Error where they are too many.
+  void count_disorder(std::uint64_t line, std::uint64_t more, std::uint64_t& count);
   void measure_period();
   [[nodiscard]] bool continues(std::int64_t from_ns, std::int64_t to_ns, std::size_t rows) const;
 
   RowsAhead rows_;
   std::string name_;
-  std::vector<NumberedRow> ahead_;  ///< judged rows that may still move, then those to be judged
-  std::size_t begin_ = 0;           ///< next row to be given
-  std::size_t judged_ = 0;          ///< end of the judged rows
-  std::int64_t offset_ns_ = 0;      ///< from stamps to the time line
-  std::int64_t latest_ns_ = 0;      ///< stamp of the latest judged row
-  std::int64_t given_ns_ = 0;       ///< time of the row given last
-  std::int64_t period_ns_ = 0;      ///< mean interval of the rows around, gaps left out
+  std::vector<NumberedRow> ahead_;    ///< judged rows that may still move, then those to be judged
+  std::size_t begin_ = 0;             ///< next row to be given
+  std::size_t judged_ = 0;            ///< end of the judged rows
+  std::int64_t offset_ns_ = 0;        ///< from stamps to the time line
+  std::int64_t latest_ns_ = 0;        ///< stamp of the latest judged row
+  std::int64_t given_ns_ = 0;         ///< time of the row given last
+  std::int64_t period_ns_ = 0;        ///< mean interval of the rows around, gaps left out
+  std::int64_t longest_step_ns_ = 0;  ///< gaps are longer steps from stamp to stamp
   std::uint64_t given_ = 0;
   std::uint64_t steps_ = 0;
   std::uint64_t measured_at_ = 0;  ///< number of the row at which the period was measured

@@ -94,6 +94,10 @@ void SpreadRows::peek() {
 void SpreadRows::count(const Group& group) {
   ++stamps_;
   counted_ += group.size();
+  if (group.size() > 1) {
+    ++shared_stamps_;
+    sharing_ += group.size();
+  }
   if (!group_.empty()) {
     ++neighbours_;
     equal_neighbours_ += same_rates(group.front().row, group_.back().row) ? 1U : 0U;
@@ -146,7 +150,8 @@ void SpreadRows::spread_first() {
 void SpreadRows::expect_stamps_with_digits() const {
   constexpr std::uint64_t kFewestStamps = 10;
   constexpr std::uint64_t kFewestRows = 32;
-  if (stamps_ >= kFewestStamps || counted_ < kFewestRows || counted_ < 3 * stamps_) return;
+  const bool is_exception = 2 * sharing_ < counted_ || sharing_ < 3 * shared_stamps_;
+  if (shared_stamps_ >= kFewestStamps || counted_ < kFewestRows || is_exception) return;
   throw Error{
       {name_},
       fmt::format("only {} different stamps in {} rows: their digits were lost", stamps_, counted_),

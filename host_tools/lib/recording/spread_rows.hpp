@@ -61,8 +61,10 @@ class SpreadRows : public RowSource {
   std::int64_t spread_ns_ = 0;    ///< sum of the intervals between stamps, gaps left out
   std::int64_t spread_rows_ = 0;  ///< rows in this sum
   std::uint64_t stamps_ = 0;
-  std::uint64_t counted_ = 0;     ///< rows of these stamps
-  std::uint64_t neighbours_ = 0;  ///< rows with a stamp of their own
+  std::uint64_t shared_stamps_ = 0;  ///< stamps with several rows
+  std::uint64_t sharing_ = 0;        ///< rows of these
+  std::uint64_t counted_ = 0;        ///< rows of these stamps
+  std::uint64_t neighbours_ = 0;     ///< rows with a stamp of their own
   std::uint64_t equal_neighbours_ = 0;
   std::uint64_t line_ = 0;
   LeftOut left_out_;

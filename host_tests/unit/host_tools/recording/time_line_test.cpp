@@ -173,8 +173,8 @@ TEST(FileOfAnAwkwardLogger, IsReadAsFarAsItIsWhole) {
   EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\n" + std::string(512, '\0'), {}),
               ElementsAre(0, 1'000'000'000));
   EXPECT_THAT(rows("t_s,rate_dps\ns,deg/s\n0,1\n1,1\n", {}), ElementsAre(0, 1'000'000'000));
-  EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\nt_s,rate_dps\n0,1\n1,1\n", {}),
-              ElementsAre(0, 1'000'000'000, 21'000'000'000, 22'000'000'000));
+  EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\nt_s,rate_dps\n8,1\n9,1\n", {}),
+              ElementsAre(0, 1'000'000'000, 8'000'000'000, 9'000'000'000));
   EXPECT_THAT(rows("a,b,c\nd\nt_s,rate_dps\n5,1\n", {.skipped_lines = 2}),
               ElementsAre(5'000'000'000));
   EXPECT_THAT(rows("t_s,gz_dps,I\n5,1,0\n5,1,1\n6,1,0\n", {.where = {{"I", "0"}}}),
