@@ -58,7 +58,7 @@ std::size_t place(Random& random, const Rows& rows) {
   return static_cast<std::size_t>(whole(random, 1, static_cast<std::int64_t>(rows.size()) - 1));
 }
 
-/// Of each sample that is lost the white noise of the means grows: N by 4 % where 8 % are.
+/// Loses up to 8 % of the samples: the white noise of the means grows by 4 %.
 void lose(Rows& rows, Random& random) {
   const std::int64_t share = whole(random, 1, 80);
   std::erase_if(rows, [&](const Written&) { return whole(random, 0, 999) < share; });
@@ -194,7 +194,9 @@ std::optional<double> walk_of(const Rows& rows, std::string& reason) {
   try {
     recording::Reader reader{folder.write("run.csv", text)};
     const RestSamples samples = read_rest_samples(reader);
-    reason = fmt::format("{} doubts", require_rest(samples).size());
+    reason = fmt::format("{} doubts, {}, {} of {} rows left out, {} outliers",
+                         require_rest(samples).size(), recording::doubt_of_rows(samples.findings),
+                         samples.findings.left_out(), samples.rows, find_outliers(samples).size());
     const auto result = characterize(samples, {.recording = "run", .axes = {0}, .order = 0.5});
     return result.axes[0].fit.angle_random_walk_rad_per_sqrt_s.value * 57.29577951308232;
   } catch (const recording::DataError& error) {

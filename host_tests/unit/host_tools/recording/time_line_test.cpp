@@ -60,7 +60,7 @@ class Stamps {
 
 TEST(CounterOf32BitsOfMicroseconds, CountsOn) {
   Stamps stamps;
-  stamps.add_even(4294.0, 0.1, 10);  // to 4294.9; the range is 4294.967296 s
+  stamps.add_even(4294.0, 0.1, 10);
   stamps.add_even(0.032704, 0.1, 10);
   const auto reading = stamps.read();
   ASSERT_EQ(reading.time_s.size(), 20U);
