@@ -20,7 +20,7 @@ private_apt_root() {
 APT::Architecture "$arch"; APT::Architectures { "$arch"; };
 Dir::Etc::sourcelist "/dev/null"; Dir::Etc::sourceparts "$root/etc/sources.list.d"; Dir::Etc::preferencesparts "$root/etc/preferences.d";
 Dir::State "$root/state"; Dir::State::status "$root/status"; Dir::Cache "$root/cache";
-Acquire::Languages "none"; APT::Sandbox::User "root";
+Acquire::Languages "none"; Acquire::Retries "5"; APT::Sandbox::User "root";
 CONF
   # A mirror in the middle of its own update gives part of its index: once more, and then with that part, until the
   # next time. Where Debian is not reached there is none, and whatever is asked for next fails.

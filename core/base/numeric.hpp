@@ -116,14 +116,14 @@ namespace detail {
   if (!(x > 0.0F)) {
     return 0.0F;
   }
-  if (!is_finite(x)) {
-    return x;
-  }
 #ifdef ZERORATE_HAS_SQUARE_ROOT_INSTRUCTION
   if (!std::is_constant_evaluated()) {
     return detail::square_root_by_instruction(x);
   }
 #endif
+  if (!is_finite(x)) {
+    return x;
+  }
   return detail::square_root_by_digits(x);
 }
 

@@ -102,10 +102,10 @@ class RoundingWatch {
 
   /// The next sample, whether the vehicle stands or not.
   constexpr void take(const Rates& rate_rad_s) {
-    if (!state_.has_newest) estimate_without_rest();
-    for (std::size_t i = 0; i < Axes && state_.has_newest; ++i) {
-      const float change = rate_rad_s[i] - state_.newest_rad_s[i];
-      if (change != 0.0F) take_change(change < 0.0F ? -change : change);
+    if (state_.has_newest) {
+      for (std::size_t i = 0; i < Axes; ++i) take_change(rate_rad_s[i] - state_.newest_rad_s[i]);
+    } else {
+      estimate_without_rest();
     }
     state_.newest_rad_s = rate_rad_s;
     state_.has_newest = true;
@@ -150,11 +150,15 @@ class RoundingWatch {
     const float step = step_rad_s();
     state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F, 0.0F));
   }
-  constexpr void take_change(float change) {
+  constexpr void take_change(float signed_change) {
+    const float change = signed_change < 0.0F ? -signed_change : signed_change;
+    // Most changes end here.
+    if (state_.changes == kFewestChanges && change >= state_.least_change_rad_s) return;
+    if (change == 0.0F) return;
     const float step = step_rad_s();
-    const bool is_first = state_.changes == 0;
+    const bool is_least = state_.changes == 0 || change < state_.least_change_rad_s;
     if (state_.changes < kFewestChanges) ++state_.changes;
-    if (is_first || change < state_.least_change_rad_s) state_.least_change_rad_s = change;
+    if (is_least) state_.least_change_rad_s = change;
     if (step_rad_s() != step) estimate_without_rest();
   }
   /// @param newest_rad_s  newest sample of the axis

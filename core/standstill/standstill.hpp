@@ -92,13 +92,13 @@ class Standstill {
 
   /// Whether a sample of this time lies behind the settle time of every pulse so far.
   [[nodiscard]] constexpr bool is_settled(Instant at) const {
-    const Duration silence = at - state_.last_pulse;
-    return state_.started && silence >= params_.settle && silence >= state_.silence;
+    return state_.started && at - state_.last_pulse >= needed_silence();
   }
 
   [[nodiscard]] constexpr Motion motion(Instant now) const {
     if (!is_settled(now)) return Motion::moving;
-    return is_settled(now - params_.hold_back) ? Motion::still : Motion::settling;
+    const Duration settled = now - state_.last_pulse - needed_silence();
+    return settled >= params_.hold_back ? Motion::still : Motion::settling;
   }
 
   /// Time after which a measurement may already belong to the drive whose pulse came at `at`; for
@@ -107,6 +107,10 @@ class Standstill {
 
  private:
   static constexpr Duration kLongestBounce = Duration::milliseconds(20);
+
+  [[nodiscard]] constexpr Duration needed_silence() const {
+    return std::max(params_.settle, state_.silence);
+  }
 
   const Params& params_;
   State state_;

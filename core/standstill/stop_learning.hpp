@@ -298,14 +298,14 @@ class StopLearning {
   }
 
   Instant newest_sample_;
-  bool has_sample_ = false;
-  bool stop_is_open_ = false;
   Standstill standstill_;
   OdometerCheck<Axes> odometer_;
   TickAverage<Axes> average_;
   Judge calm_;
   SwayMean<Axes> sway_;
   float sway_variance_rad2_s2_ = 0.0F;
+  bool has_sample_ = false;
+  bool stop_is_open_ = false;
   bool has_odometer_;
   bool asks_gyro_;
   Duration wait_;             ///< time of a tick until it is certain

@@ -79,11 +79,11 @@ class GyroNode {
   /// @param params must pass check() and outlive the node
   constexpr explicit GyroNode(const Params& params)
       : params_(params),
+        pace_(pace_of(params)),
         learning_(params.standstill, params.odometer, params.model.modes.tick,
                   params.model.sample_period, params.model.white_variance_rad2_s2),
         ticks_(params),
-        turn_(params),
-        pace_(pace_of(params)) {
+        turn_(params) {
     ZERORATE_ASSERT(check(params).has_value());
   }
 
@@ -134,13 +134,13 @@ class GyroNode {
     RateMessage message{.time = sample.time};
     const bool refused = refuse(sample, message.health);
     const core::Duration since_last = since_newest_sample(sample.time);
-    const Rate rate = refused ? Rate{} : params_.model.corrected(sample.rate);
+    const Rate rate = refused ? kNoRate : params_.model.corrected(sample.rate);
     if (!refused) take_in(sample, rate);
     message.motion = motion();
     if (sample.has_temperature) message.temperature = sample.temperature;
     message.health.saturated =
         sample.saturated_axes != 0 || ticks_.screening().is_saturated(rates_of(sample));
-    describe(message, refused ? Rate{} : sample.rate, rate);
+    describe(message, refused ? kNoRate : sample.rate, rate);
     if (!refused) turn_.add(message, since_last, sample.saturated_axes, is_learning(), ticks_);
     turn_.describe({}, message);
     return message;
@@ -254,7 +254,7 @@ class GyroNode {
  private:
   using Rate = std::array<core::AngularRate, 3>;
   using Rates = std::array<float, kAxes>;
-
+  static constexpr Rate kNoRate{};
   static constexpr std::int32_t kShortCall = 8;  ///< cost units of a call that is short
 
   [[nodiscard]] static constexpr std::int32_t pace_of(const Params& params) {
@@ -389,10 +389,10 @@ class GyroNode {
   }
 
   const Params& params_;
+  std::int32_t pace_;  ///< cost units of the work of a sample
   Learning learning_;
   Ticks ticks_;
   Turn turn_;
-  std::int32_t pace_;        ///< cost units of the work of a sample
   std::int32_t credit_ = 0;  ///< cost units that may be spent; negative: spent in advance
   bool odometer_fault_ = false;
 };

@@ -82,7 +82,7 @@ struct NodeParams {
   }
   /// Whether a bias is larger than the chip's may be: a turn was taken for one.
   [[nodiscard]] constexpr bool is_beyond_zero_rate(float bias_rad_s) const {
-    return bias_rad_s > model.largest_bias_rad_s || -bias_rad_s > model.largest_bias_rad_s;
+    return (bias_rad_s < 0.0F ? -bias_rad_s : bias_rad_s) > model.largest_bias_rad_s;
   }
 };
 

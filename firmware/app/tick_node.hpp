@@ -174,6 +174,7 @@ class TickNode {
   /// @pre !is_learning(), and the tick is later than the measurement before
   constexpr void learn(const Tick& tick, float sway_variance_rad2_s2 = 0.0F) {
     ZERORATE_ASSERT(!is_learning());
+    if (work_.stage != Stage::idle) lead_.ticks = 0;  // it may not be complete
     work_.tick = tick;
     work_.sway_variance_rad2_s2 = tick.is_sway ? sway_variance_rad2_s2 : 0.0F;
     work_.go_to(Stage::begin);
@@ -311,7 +312,6 @@ class TickNode {
 
   constexpr void step_begin() {
     const std::uint32_t ticks = work_.tick.tick + 1 - measured_ticks_;
-    lead_.ticks = 0;
     inputs_.measure(work_.tick.inputs, ticks, work_.span);
     white_.advance(ticks);
     if (!work_.tick.is_sway) white_.observe(work_.tick);
@@ -343,12 +343,14 @@ class TickNode {
     }
     work_.go_to(Stage::idle);
   }
-  /// Makes the lead piece by piece, unless it is one tick longer than it was.
+  /// Makes the lead piece by piece, unless it is as long as the one before, as in a stop, or one
+  /// tick longer.
   constexpr void step_lead() {
     const auto& modes = params_.model.modes;
     const std::uint32_t ticks = ticks_since_measured();
     if (work_.item == 0) {
       work_.is_stale = false;
+      if (lead_.ticks == ticks) return finish_lead();
       if (lead_.ticks > 0 && lead_.ticks + 1 == ticks) {
         modes.lengthen(lead_, one_tick_);
         return finish_lead();

@@ -292,8 +292,8 @@ class TurnTrack {
   const Params& params_;
   Sum sum_;
   Vertical vertical_;
-  [[no_unique_address]] References references_;
   std::uint32_t asked_ticks_ = kShortest;
+  [[no_unique_address]] References references_;
 };
 
 }  // namespace zerorate::app

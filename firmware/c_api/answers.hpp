@@ -80,14 +80,16 @@ inline constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
           .reference_disagreement = health.reference_disagreement,
           .usable = health.is_usable()};
 }
-[[nodiscard]] inline zerorate_rate rate_of(const app::RateMessage& message) {
-  zerorate_rate rate{};
+/// Fills in the answer in its place.
+inline void set_rate(zerorate_rate& rate, const app::RateMessage& message) {
+  const bool has_rate = message.has_rate();
+  rate = {};
   rate.time_ns = message.time.ns();
   rate.motion = motion_of(message.motion);
   rate.health = health_of(message.health);
   rate.turn_time_ns = message.turn_time.ns();
   rate.vertical_rad_s =
-      message.up && message.has_rate() ? message.vertical_rate().in(core::rad_per_s) : kNone;
+      message.up && has_rate ? message.vertical_rate().in(core::rad_per_s) : kNone;
   rate.heading_rad = message.heading.angle.in(core::rad);
   rate.heading_sigma_rad = message.heading.sigma.in(core::rad);
   rate.calm_percent = message.calm_percent;
@@ -97,14 +99,12 @@ inline constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   rate.vertical_turn_sigma_rad = message.vertical_turn.sigma.in(core::rad);
 #endif
   for (std::size_t i = 0; i < Node::kAxes; ++i) {
-    rate.corrected_rad_s[i] =
-        message.has_rate() ? message.axes[i].corrected.in(core::rad_per_s) : kNone;
+    rate.corrected_rad_s[i] = has_rate ? message.axes[i].corrected.in(core::rad_per_s) : kNone;
     rate.bias_rad_s[i] = message.axes[i].bias.in(core::rad_per_s);
     rate.sigma_rad_s[i] = message.axes[i].sigma.in(core::rad_per_s);
     rate.turn_rad[i] = message.turn[i].angle.in(core::rad);
     rate.turn_sigma_rad[i] = message.turn[i].sigma.in(core::rad);
   }
-  return rate;
 }
 
 [[nodiscard]] inline zerorate_result result_of(const app::Health& health) {

@@ -91,7 +91,7 @@ zerorate_result take_sample(c_api::Instance& instance, const zerorate_measuremen
   const core::GyroSample sample = c_api::sample_of(measured);
   const bool went_back = instance.is_far_back(sample.time);
   const app::RateMessage message = instance.take(sample);
-  rate = c_api::rate_of(message);
+  c_api::set_rate(rate, message);
   if (went_back) return ZERORATE_CLOCK_WENT_BACK;
   return c_api::result_of(message.health);
 }
@@ -161,12 +161,13 @@ zerorate_result zerorate_acceleration(zerorate_node* self, int64_t time_ns,
 zerorate_result zerorate_sample(zerorate_node* self, const zerorate_measurement* measured,
                                 zerorate_rate* rate) {
   if (rate == nullptr) return ZERORATE_BAD_ARGUMENT;
+  auto* instance = measured != nullptr ? instance_in(self) : nullptr;
+  if (instance != nullptr && c_api::is_sound(*measured)) {
+    return take_sample(*instance, *measured, *rate);
+  }
   *rate = c_api::no_rate();
-  if (measured == nullptr) return ZERORATE_BAD_ARGUMENT;
-  auto* instance = instance_in(self);
-  if (instance == nullptr) return ZERORATE_NOT_INITIALISED;
-  if (!c_api::is_sound(*measured)) return ZERORATE_BAD_ARGUMENT;
-  return take_sample(*instance, *measured, *rate);
+  return measured != nullptr && instance == nullptr ? ZERORATE_NOT_INITIALISED
+                                                    : ZERORATE_BAD_ARGUMENT;
 }
 
 zerorate_result zerorate_predict_heading(const zerorate_node* self, uint8_t axis, uint32_t samples,

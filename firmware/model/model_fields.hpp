@@ -54,6 +54,9 @@ inline constexpr std::array<std::string_view, 6> kInputQuantities{
     "acceleration",   "acceleration_x", "acceleration_y",
     "acceleration_z", "vibration",      "temperature_rate"};
 
+/// Names of WithoutAccelerometer in a file, in the order of the enumeration.
+inline constexpr std::array<std::string_view, 2> kWithoutAccelerometer{"flag", "ignore"};
+
 /// Names of QuantizationMethod in a file, in the order of the enumeration.
 inline constexpr std::array<std::string_view, 2> kQuantizationMethods{"rounding", "truncation"};
 
@@ -117,8 +120,10 @@ void visit_fields(auto& visitor, MaybeConst<TemperatureDrift> auto& drift) {
 }
 
 void visit_fields(auto& visitor, MaybeConst<Input> auto& input) {
-  auto& [quantity, sigma_rad_s_per_unit, coefficient_rad_s_per_unit, source] = input;
+  auto& [quantity, without_accelerometer, sigma_rad_s_per_unit, coefficient_rad_s_per_unit,
+         source] = input;
   visitor.name("quantity", quantity, kInputQuantities);
+  visitor.name("without_accelerometer", without_accelerometer, kWithoutAccelerometer);
   visitor.number("sigma_dps_per_unit", sigma_rad_s_per_unit, FileUnit::degree, kNotNegative,
                  Presence::required);
   visitor.axes("coefficient_dps_per_unit", coefficient_rad_s_per_unit, FileUnit::degree,

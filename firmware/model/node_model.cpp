@@ -144,6 +144,12 @@ core::InputTerms<kWidestShape.inputs> inputs_of(const SensorModel& model) {
           "[[input]] of \"acceleration\" has a coefficient_dps_per_unit: give acceleration_x, "
           "acceleration_y and acceleration_z a table each");
     }
+    const bool is_ignored = given.without_accelerometer == WithoutAccelerometer::ignore;
+    if (is_ignored && given.quantity == InputQuantity::temperature_rate) {
+      throw std::invalid_argument(
+          "[[input]] of \"temperature_rate\" has without_accelerometer = \"ignore\": a "
+          "temperature needs no accelerometer; leave the key away");
+    }
     for (const core::Input input : inputs_of(given.quantity)) {
       const auto is_there = [&](const core::InputTerm& term) { return term.input == input; };
       if (std::ranges::any_of(inputs.terms, is_there)) {
@@ -267,6 +273,13 @@ core::Hypotheses<kWidestLearningShape> weigh_flickers(const SensorModel& model, 
 }
 
 }  // namespace
+
+SensorModel without_accelerometer(SensorModel model) {
+  std::erase_if(model.inputs, [](const Input& input) {
+    return input.without_accelerometer == WithoutAccelerometer::ignore;
+  });
+  return model;
+}
 
 bool fits_six_decades(const SensorModel& model) {
   return model.gauss_markov.empty() && model.harmonic.empty() && !model.warm_up &&

@@ -50,12 +50,20 @@ using NodeModel = core::NodeModel<Shape>;
 /// Then it runs in a node of six decaying modes.
 [[nodiscard]] bool fits_six_decades(const SensorModel& model);
 
+/// The model of a node that reads no accelerometer: without the inputs that such a node ignores.
+[[nodiscard]] SensorModel without_accelerometer(SensorModel model);
+/// The model of a node, by whether it reads an accelerometer.
+[[nodiscard]] inline SensorModel for_node(const SensorModel& model, bool has_accelerometer) {
+  return has_accelerometer ? model : without_accelerometer(model);
+}
+
 /// Calls `run` with the shape of the filter for a model as a template argument: six decades where
 /// they are enough, otherwise `Largest`, where need be with all inputs.
 /// @param has_accelerometer whether the node is given the specific force: a witness of motion and
 ///   of the vertical, whatever the model follows
 template <core::ModelShape Largest, class Run>
-auto with_shape_of(const SensorModel& model, bool has_accelerometer, Run run) {
+auto with_shape_of(const SensorModel& sensor, bool has_accelerometer, Run run) {
+  const SensorModel model = for_node(sensor, has_accelerometer);
   constexpr core::ModelShape kSixDecades{.decaying = 6, .hypotheses = Largest.hypotheses};
   if constexpr (Largest.inputs > 0) {
     if (has_accelerometer && fits_six_decades(model)) {
@@ -133,7 +141,8 @@ template <core::ModelShape Shape>
 [[nodiscard]] NodeModel<Shape> make_node_model(const SensorModel& model,
                                                core::Duration sample_period,
                                                core::Duration filter_tick) {
-  auto full = make_full_node_model(model, sample_period, filter_tick);
+  auto full =
+      make_full_node_model(for_node(model, Shape.has_accelerometer), sample_period, filter_tick);
   const auto [decaying, rotating] = move_active_to_front(full);
   if (decaying > Shape.decaying || rotating > Shape.rotating) {
     throw std::invalid_argument(

@@ -102,10 +102,18 @@ enum class InputQuantity : std::uint8_t {
   temperature_rate
 };
 
+/// Treatment of an acceleration or a vibration by a node that reads no accelerometer.
+enum class WithoutAccelerometer : std::uint8_t {
+  flag,   ///< the share of the bias is missed, and flagged
+  ignore  ///< the model has no such share: for the model of a chip, with or without its
+          ///< accelerometer
+};
+
 /// A share of the bias that follows a measured quantity, by coefficients that are constants of the
 /// sensor.
 struct Input {
   InputQuantity quantity = InputQuantity::acceleration;
+  WithoutAccelerometer without_accelerometer = WithoutAccelerometer::flag;
   double sigma_rad_s_per_unit = 0.0;                   ///< standard deviation of a coefficient
   std::array<double, 3> coefficient_rad_s_per_unit{};  ///< expected on x, y and z
   std::string source{};

@@ -71,16 +71,18 @@ class OurCorpora(Corpus):
 
 COUNT = pathlib.Path(__file__).parents[2] / "toolchains/count_cases.py"
 PASSED = '<testcase name="Passes" status="run" result="completed"/>'
-FAILED = '<testcase name="Fails" status="run" result="completed"><failure message="no"/></testcase>'
+FAILED = ('<testcase name="Fails" status="run" result="completed" classname="A">'
+          '<failure message="a_test.cpp:9&#x0A;no"/></testcase>')
 SKIPPED = ('<testcase name="Skips" status="run" result="skipped">'
            '<skipped message="a_test.cpp:7&#x0A;no recordings"/></testcase>')
 
 
-def counted(tests, programs):
-    """What is printed for {test: status} of ctest and {program: cases of GoogleTest}."""
+def counted(tests, programs, output=""):
+    """What is printed for {test: status} of ctest, all with this output, and {program: cases of GoogleTest}."""
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
-        cases = "".join(f'<testcase name="{name}" status="{status}"/>' for name, status in tests.items())
+        cases = "".join(f'<testcase name="{name}" status="{status}"><system-out>{output}</system-out></testcase>'
+                        for name, status in tests.items())
         (root / "record.xml").write_text(f"<testsuite>{cases}</testsuite>", encoding="utf-8")
         for name, text in programs.items():
             (root / f"{name}.xml").write_text(f"<testsuites><testsuite>{text}</testsuite></testsuites>", encoding="utf-8")
@@ -94,16 +96,22 @@ class Count(unittest.TestCase):
         self.assertEqual(counted({"a": "run"}, {"a": 3 * PASSED}), ["3 0 0", ""])
 
     def test_has_failed_cases_and_skipped_ones_with_their_reason(self):
-        self.assertEqual(counted({"a": "fail"}, {"a": PASSED + FAILED + 2 * SKIPPED}), ["1 1 2", "2 x no recordings"])
+        self.assertEqual(counted({"a": "fail"}, {"a": PASSED + FAILED + 2 * SKIPPED}), ["1 1 2", "2 x no recordings",
+                                                                                "a: A.Fails", "    a_test.cpp:9", "    no"])
 
     def test_takes_a_test_of_another_kind_as_one(self):
-        self.assertEqual(counted({"a": "run", "b": "fail", "c": "notrun"}, {}), ["1 1 1", "1 x c"])
+        self.assertEqual(counted({"a": "run", "b": "fail", "c": "notrun"}, {}), ["1 1 1", "1 x c", "b"])
 
     def test_has_one_failure_for_a_program_that_ended_without_a_record(self):
-        self.assertEqual(counted({"a": "fail"}, {}), ["0 1 0", ""])
+        self.assertEqual(counted({"a": "fail"}, {}), ["0 1 0", "", "a"])
 
     def test_has_one_failure_for_a_program_that_failed_after_its_last_case(self):
-        self.assertEqual(counted({"a": "fail"}, {"a": PASSED}), ["1 1 0", ""])
+        self.assertEqual(counted({"a": "fail"}, {"a": PASSED}), ["1 1 0", "", "a"])
+
+    def test_shows_the_failing_lines_of_a_test_and_its_end(self):
+        output = "\n".join(["begins", "FAILED: a check", *map(str, range(12))])
+        self.assertEqual(counted({"a": "fail"}, {}, output),
+                         ["0 1 0", "", "a", "    FAILED: a check", *(f"    {line}" for line in range(2, 12))])
 
     def test_ignores_the_record_of_a_program_that_did_not_run(self):
         self.assertEqual(counted({"a": "notrun"}, {"a": PASSED}), ["0 0 1", "1 x a"])

@@ -8,6 +8,7 @@
 
 #include "core/base/time.hpp"
 #include "firmware/model/catalogue.hpp"
+#include "firmware/model/node_model.hpp"
 #include "firmware/model/source_headers.hpp"
 #include "host_tools/cli/commands.hpp"
 #include "host_tools/cli/replay_options.hpp"
@@ -20,6 +21,7 @@ struct ExportFlags {
   std::string model;
   bool cpp = false;
   bool c = false;
+  bool accelerometer = false;
   std::string name = "sensor_model";
   double sample_rate_hz = 0.0;
   double filter_rate_hz = 2.0;
@@ -38,7 +40,7 @@ core::Duration period_of(double rate_hz, const char* option) {
 
 ExitCode run_export(const ExportFlags& flags) {
   if (!flags.cpp && !flags.c) throw std::invalid_argument("expected --cpp or --c: the language");
-  model::SensorModel model = model::load_model(flags.model);
+  model::SensorModel model = model::for_node(model::load_model(flags.model), flags.accelerometer);
   if (flags.hypotheses) {
     if (!model.learning) model.learning.emplace();
     model.learning->hypotheses = *flags.hypotheses;
@@ -62,6 +64,9 @@ Command add_export(CLI::App& app) {
       ->required();
   auto* cpp = command->add_flag("--cpp", flags->cpp, "C++ header of constants, for our own images");
   command->add_flag("--c", flags->c, "C header, for firmware that calls zerorate.h")->excludes(cpp);
+  command->add_flag("--accelerometer", flags->accelerometer,
+                    "the firmware hands over accelerations: inputs that a model has for such a "
+                    "node alone are in the source");
   command->add_option("--name", flags->name, "name of the constant, with --c")
       ->capture_default_str();
   command

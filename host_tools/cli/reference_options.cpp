@@ -91,14 +91,16 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
     fmt::print("  note: the drive from {:.6g} s is not scored: {}\n",
                static_cast<double>(scored.drive.departure_ns) * 1e-9, truth::name(scored.flaw));
   }
-  fmt::print("\n{:<17} {:>7} {:>14} {:>11} {:>10} {:>12} {:>12}\n", "predictor", "drives",
-             "error deg rms", "median deg", "worst deg", "coverage 95", "of the node");
+  fmt::print("\n{:<17} {:>7} {:>14} {:>11} {:>10} {:>12} {:>12} {:>13}\n", "predictor", "drives",
+             "error deg rms", "median deg", "worst deg", "coverage 95", "of the node",
+             "at departure");
   for (const app::Predictor predictor : evaluate::kAllPredictors) {
     const evaluate::TrueScore score = drives.score(predictor);
-    fmt::print("{:<17} {:>7} {:>14.4f} {:>11.4f} {:>10.4f} {:>12.3f} {:>12.3f}\n",
+    fmt::print("{:<17} {:>7} {:>14.4f} {:>11.4f} {:>10.4f} {:>12.3f} {:>12.3f} {:>13.4f}\n",
                evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
                score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
-               score.coverage95_of_node);
+               score.coverage95_of_node,
+               drives.score(predictor, evaluate::Scored::bias_at_departure).rms_rad * kDegPerRad);
   }
 }
 

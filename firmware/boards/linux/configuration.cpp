@@ -236,7 +236,9 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
     filter.standstill = core::adapted_to(configuration.odometer_traits, filter.standstill);
     if (!sensor) sensor = model::find_model(chip);
     configuration.states_scale_factor = sensor->scale_factor.has_value();
-    configuration.node = make_params(root, *sensor, filter, configuration.gyro.rate_hz);
+    const bool has_accelerometer = configuration.gyro.acceleration_range_g.has_value();
+    configuration.node = make_params(root, model::for_node(*sensor, has_accelerometer), filter,
+                                     configuration.gyro.rate_hz);
     configuration.node.up = up;
     if (earth) configuration.node.earth = *earth;
   });

@@ -70,7 +70,9 @@ Published run(const Drive& drive, const char* model, core::StandstillSource sour
   using Node = NodeOf<Shape>;
   const core::Duration period = seconds(drive.period_s);
   const core::Duration tick = std::max(period, core::Duration::milliseconds(500));
-  const auto noise = model::make_node_model<Shape>(model::find_model(model), period, tick);
+  // The forces are a witness of rest here, and no input of the bias.
+  const auto sensor = model::without_accelerometer(model::find_model(model));
+  const auto noise = model::make_node_model<Shape>(sensor, period, tick);
   const typename Node::Params params{
       .model = {.modes = noise.modes,
                 .white_variance_rad2_s2 = noise.white_variance_rad2_s2,

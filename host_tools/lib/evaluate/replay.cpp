@@ -149,8 +149,9 @@ class Run {
       if (rest_) rest_->add(message.time, row.rate_rad_s);
       if (true_drives_) {
         const std::size_t vertical = observer_.truth->vertical.axis;
-        const double rate = measured_rad_s(message, vertical);
-        true_drives_->take(row.time_ns, rate, has_bias, node_);
+        const double published = double{message.axes[vertical].corrected.in(core::rad_per_s)};
+        true_drives_->take(row.time_ns, measured_rad_s(message, vertical), published, has_bias,
+                           node_);
       }
     }
     if (message.has_rate() && message.health.calibrated) ++result_.rows_corrected;

@@ -15,21 +15,26 @@ using recording::number;
 
 using units::kDegPerRad;
 
-Json scores_json(const DriveScores& scores, const DriveScores& baseline, const StopScores& stops) {
+/// Scores of an axis; those of its drives need a true rate.
+Json scores_json(const DriveScores& scores, const DriveScores& baseline, const StopScores& stops,
+                 bool is_truth_known) {
   const statistics::BootstrapFigure ratio = drift_ratio(scores, baseline);
+  const auto of_drives = [&](double figure) {
+    return is_truth_known ? number(figure) : Json(nullptr);
+  };
   return {{"stops", stops.stops()},
           {"stop_error_rms_dph", number(stops.error_rms_rad_s() * units::kDphPerRadS)},
           {"stop_error_rms_sigmas", number(stops.error_rms_sigmas())},
           {"stop_coverage95", number(stops.coverage95())},
           {"drives", scores.drives()},
-          {"heading_drift_rms_deg", number(scores.heading_drift_rms_rad() * kDegPerRad)},
+          {"heading_drift_rms_deg", of_drives(scores.heading_drift_rms_rad() * kDegPerRad)},
           {"ratio_to_calibration_mean",
-           number(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
-          {"ratio_to_calibration_mean_ci95", {number(ratio.lo), number(ratio.hi)}},
-          {"coverage95", number(scores.coverage95())},
-          {"sigma_over_rms", number(scores.sigma_over_rms())},
-          {"rsse_dps", number(scores.mean_rsse_rad_s() * kDegPerRad)},
-          {"ie_deg", number(scores.mean_integrated_rad() * kDegPerRad)}};
+           of_drives(scores.heading_drift_rms_rad() / baseline.heading_drift_rms_rad())},
+          {"ratio_to_calibration_mean_ci95", {of_drives(ratio.lo), of_drives(ratio.hi)}},
+          {"coverage95", of_drives(scores.coverage95())},
+          {"sigma_over_rms", of_drives(scores.sigma_over_rms())},
+          {"rsse_dps", of_drives(scores.mean_rsse_rad_s() * kDegPerRad)},
+          {"ie_deg", of_drives(scores.mean_integrated_rad() * kDegPerRad)}};
 }
 
 Json learnt_motion_json(const LearntMotion& learnt) {
@@ -81,7 +86,7 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
     const auto& scores = result.scores[axis];
     for (std::size_t p = 0; p < app::kPredictors; ++p) {
       predictors[std::string(name(kAllPredictors[p]))] =
-          scores_json(scores[p], scores.back(), result.stop_scores[axis][p]);
+          scores_json(scores[p], scores.back(), result.stop_scores[axis][p], result.truth_known);
     }
     Json& of_axis = json["axes"][axis_name(result, axis)];
     of_axis["predictors"] = std::move(predictors);

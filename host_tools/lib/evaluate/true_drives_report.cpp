@@ -68,9 +68,9 @@ void add_discarded(BandRow& row, const ReplayTrace& trace, double filter_tick_s)
 Chart error_chart(const TrueDrives& drives) {
   Chart chart{.title = "Heading error along each drive",
               .caption =
-                  "From the middle of a true stop to the middle of the next: the integral "
-                  "of the measured rate less the bias published at departure, minus the "
-                  "turn of the reference. The slope is the bias error.",
+                  "From two seconds before a departure to two seconds after the arrival: the "
+                  "integral of the published rate, minus the turn of the reference. The slope "
+                  "is the bias error.",
               .x = {"Time", "s"},
               .y = {"Heading error", "deg"}};
   report::Series series{.name = "heading error", .colour = Colour::blue};
@@ -132,12 +132,14 @@ report::Table score_table(const TrueDrives& drives) {
                   {"Rms", "deg", 3},
                   {"Median", "deg", 3},
                   {"Worst", "deg", 3},
+                  {"Rms by the bias at departure", "deg", 3},
                   {.heading = "Coverage", .decimals = 3},
                   {.heading = "Coverage of the node", .decimals = 3}}};
   for (const app::Predictor predictor : kAllPredictors) {
     const TrueScore score = drives.score(predictor);
     table.rows.push_back({std::string(name(predictor)), score.drives, score.rms_rad * kDegPerRad,
                           score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad,
+                          drives.score(predictor, Scored::bias_at_departure).rms_rad * kDegPerRad,
                           score.coverage95, score.coverage95_of_node});
   }
   return table;
@@ -147,7 +149,7 @@ report::Table drive_table(const TrueDrives& drives) {
   report::Table table{.caption = "Drives of the " + std::string(name(drives.published)) +
                                  " predictor; those with a remark are not scored.",
                       .columns = {{"Departure", "s", 1},
-                                  {"Length", "s", 1},
+                                  {"Way", "s", 1},
                                   {"Turn", "deg", 1},
                                   {"Error", "deg", 3},
                                   {"Sigma", "deg", 3},
@@ -156,8 +158,9 @@ report::Table drive_table(const TrueDrives& drives) {
     const truth::Drive& drive = scored.drive;
     const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(drives.published)];
     const bool is_scored = scored.flaw == truth::Flaw::none;
-    table.rows.push_back({seconds(drive.departure_ns), seconds(drive.to_ns - drive.from_ns),
-                          is_scored ? drive.turn_rad * kDegPerRad : kGap,
+    table.rows.push_back({seconds(drive.departure_ns),
+                          seconds(drive.way_to_ns() - drive.way_from_ns()),
+                          is_scored ? drive.way_turn_rad * kDegPerRad : kGap,
                           is_scored ? outcome.drift_rad * kDegPerRad : kGap,
                           is_scored ? outcome.sigma_rad * kDegPerRad : kGap,
                           is_scored ? std::string() : std::string(name(scored.flaw))});
@@ -173,12 +176,14 @@ std::string summary(const TrueDrives& drives, std::size_t axis_count) {
   const TrueScore score = drives.score(app::Predictor::kalman);
   if (score.drives == 0) return "No true drive could be scored.";
   return fmt::format(
-      "Over {} drives between true stops the heading erred by {:.3f} deg rms (median {:.3f}, worst "
-      "{:.3f}) about axis {}; {:.0f} % of them lay inside the 95 % interval, with {:.3f} deg for "
-      "the reference's own error.",
+      "Over {} drives between true stops the published heading erred by {:.3f} deg rms (median "
+      "{:.3f}, worst {:.3f}) about axis {}; {:.0f} % of them lay inside the 95 % interval, with "
+      "{:.3f} deg for the reference's own error. With the bias at departure alone, from middle to "
+      "middle of the stops, {:.3f} deg rms.",
       score.drives, score.rms_rad * kDegPerRad, score.median_rad * kDegPerRad,
       score.worst_rad * kDegPerRad, name(truth.vertical, axis_count), score.coverage95 * 100.0,
-      truth.reference_error_rad * kDegPerRad);
+      truth.reference_error_rad * kDegPerRad,
+      drives.score(app::Predictor::kalman, Scored::bias_at_departure).rms_rad * kDegPerRad);
 }
 
 Chart stop_chart(const ReplayTrace& trace, const TrueDrives& drives, double filter_tick_s) {
@@ -238,19 +243,25 @@ Json score_json(const TrueScore& score) {
           {"sigma_over_rms", number(score.sigma_over_rms)}};
 }
 
+Json outcome_json(const DriveOutcome& outcome) {
+  return {{"heading_error_deg", number(outcome.drift_rad * kDegPerRad)},
+          {"sigma_deg", number(outcome.sigma_rad * kDegPerRad)}};
+}
+
 Json drive_json(const ScoredTrueDrive& scored) {
   Json json{{"from_s", seconds(scored.drive.from_ns)},
             {"departure_s", seconds(scored.drive.departure_ns)},
+            {"arrival_s", seconds(scored.drive.arrival_ns)},
             {"to_s", seconds(scored.drive.to_ns)},
             {"flaw", scored.flaw == truth::Flaw::none ? Json(nullptr)
                                                       : Json(std::string(name(scored.flaw)))}};
   if (scored.flaw != truth::Flaw::none) return json;
   json["turn_deg"] = number(scored.drive.turn_rad * kDegPerRad);
   for (const app::Predictor predictor : kAllPredictors) {
-    const DriveOutcome& outcome = scored.outcomes[static_cast<std::size_t>(predictor)];
-    json["predictors"][std::string(name(predictor))] = {
-        {"heading_error_deg", number(outcome.drift_rad * kDegPerRad)},
-        {"sigma_deg", number(outcome.sigma_rad * kDegPerRad)}};
+    Json& by_predictor = json["predictors"][std::string(name(predictor))];
+    by_predictor = outcome_json(scored.outcome(predictor, Scored::published));
+    by_predictor["bias_at_departure"] =
+        outcome_json(scored.outcome(predictor, Scored::bias_at_departure));
   }
   return json;
 }
@@ -267,7 +278,10 @@ Json true_drives_json(const TrueDrives& drives, std::size_t axis_count) {
   for (const ScoredTrueDrive& scored : drives.drives) list.push_back(drive_json(scored));
   Json predictors = Json::object();
   for (const app::Predictor predictor : kAllPredictors) {
-    predictors[std::string(name(predictor))] = score_json(drives.score(predictor));
+    Json& by_predictor = predictors[std::string(name(predictor))];
+    by_predictor = score_json(drives.score(predictor));
+    by_predictor["bias_at_departure"] =
+        score_json(drives.score(predictor, Scored::bias_at_departure));
   }
   const bool is_scored = truth.obstacle.empty();
   return {{"obstacle", is_scored ? Json(nullptr) : Json(truth.obstacle)},

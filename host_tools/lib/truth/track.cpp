@@ -93,10 +93,9 @@ std::int64_t Series::longest_interval_ns() const {
 }
 
 std::optional<double> Series::at(std::int64_t time_ns, std::int64_t longest_ns) const {
-  const auto next = std::ranges::lower_bound(time_ns_, time_ns);
-  if (next == time_ns_.end()) return std::nullopt;
-  const auto k = static_cast<std::size_t>(next - time_ns_.begin());
-  if (*next == time_ns) return value_[k];
+  const std::size_t k = first_from(time_ns);
+  if (k == size()) return std::nullopt;
+  if (time_ns_[k] == time_ns) return value_[k];
   if (k == 0 || time_ns_[k] - time_ns_[k - 1] > longest_ns) return std::nullopt;
   const double share = static_cast<double>(time_ns - time_ns_[k - 1]) /
                        static_cast<double>(time_ns_[k] - time_ns_[k - 1]);

@@ -2,6 +2,7 @@
 /// Track of a reference system beside the gyro: columns of a recording, kept in memory.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -23,6 +24,10 @@ class Series {
   [[nodiscard]] std::size_t size() const { return value_.size(); }
   [[nodiscard]] std::int64_t time_ns(std::size_t k) const { return time_ns_[k]; }
   [[nodiscard]] double value(std::size_t k) const { return value_[k]; }
+  /// Index of the first value at a time or after it; size() where there is none.
+  [[nodiscard]] std::size_t first_from(std::int64_t time_ns) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(time_ns_, time_ns) - time_ns_.begin());
+  }
 
   /// Longest interval that is interpolated over: three median intervals, and at least 2 s, so that
   /// a reference of 1 Hz may miss a sample.

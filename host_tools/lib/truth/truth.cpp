@@ -8,8 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/statistics/statistics.hpp"
+#include "host_tools/lib/truth/heading_jumps.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::truth {
@@ -40,111 +39,22 @@ std::vector<double> slow_spans(const Series& speed_m_s) {
   return spans;
 }
 
-/// Turns of at least a second: of the reference, and of the axes of the gyro.
-struct Turn {
-  double reference_rad;
-  std::array<double, recording::kMaxAxes> axes_rad;
-};
-
-std::vector<Turn> turns_of(const Track& track) {
-  const Series& heading = track.heading_rad;
-  const std::int64_t longest_ns = heading.longest_interval_ns();
-  std::vector<Turn> turns;
-  std::size_t first = 0;
-  for (std::size_t k = 1; k < heading.size(); ++k) {
-    if (heading.time_ns(k) - heading.time_ns(k - 1) > longest_ns) first = k;
-    if (heading.time_ns(k) - heading.time_ns(first) < kSecond) continue;
-    Turn turn{.reference_rad = heading.value(k) - heading.value(first), .axes_rad = {}};
-    for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
-      turn.axes_rad[axis] = track.turned_rad[k][axis] - track.turned_rad[first][axis];
-    }
-    turns.push_back(turn);
-    first = k;
+/// Heading at a time of a stop: interpolated between its neighbours, or else the nearest heading of
+/// the stop.
+std::optional<double> heading_at_rest(const Series& heading, std::int64_t time_ns,
+                                      const Stop& stop) {
+  if (const auto between = heading.at(time_ns, 2 * kSecond)) return between;
+  std::optional<double> nearest;
+  std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t k = heading.first_from(stop.from_ns);
+       k < heading.size() && heading.time_ns(k) <= stop.to_ns; ++k) {
+    const std::int64_t apart_ns = std::abs(heading.time_ns(k) - time_ns);
+    if (apart_ns >= least_ns) continue;
+    least_ns = apart_ns;
+    nearest = heading.value(k);
   }
-  return turns;
+  return nearest ? nearest : heading.at(time_ns, heading.longest_interval_ns());
 }
-
-/// Sums of a least-squares line through turns, about their means: a bias does not count.
-VerticalAxis regress(const std::vector<Turn>& turns, std::size_t axis) {
-  double mean_x = 0.0;
-  double mean_y = 0.0;
-  const auto count = static_cast<double>(turns.size());
-  for (const Turn& turn : turns) {
-    mean_x += turn.axes_rad[axis] / count;
-    mean_y += turn.reference_rad / count;
-  }
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (const Turn& turn : turns) {
-    const double x = turn.axes_rad[axis] - mean_x;
-    const double y = turn.reference_rad - mean_y;
-    xx += x * x;
-    xy += x * y;
-    yy += y * y;
-  }
-  if (!(xx > 0.0) || !(yy > 0.0)) return {.axis = axis, .correlation = 0.0, .turns_ratio = 0.0};
-  return {.axis = axis,
-          .sign = xy < 0.0 ? -1.0 : 1.0,
-          .correlation = std::abs(xy) / std::sqrt(xx * yy),
-          .turns_ratio = std::abs(xy) / xx};
-}
-
-bool is_followed(const VerticalAxis& candidate) {
-  constexpr double kLeastCorrelation = 0.7;
-  constexpr double kMostRatio = 1.25;
-  return candidate.correlation >= kLeastCorrelation && candidate.turns_ratio <= kMostRatio &&
-         candidate.turns_ratio >= 1.0 / kMostRatio;
-}
-
-/// Looks for jumps: places where reference and gyro part for good, not only for a latency.
-class JumpFinder {
- public:
-  JumpFinder(const Track& track, const Series& heading, const VerticalAxis& vertical)
-      : heading_(heading), longest_ns_(heading_.longest_interval_ns()) {
-    Series parted;
-    for (std::size_t k = 0; k < heading_.size(); ++k) {
-      parted.add(heading_.time_ns(k),
-                 heading_.value(k) - vertical.sign * track.turned_rad[k][vertical.axis]);
-    }
-    find(parted);
-  }
-
-  [[nodiscard]] bool has_between(std::int64_t from_ns, std::int64_t to_ns) const {
-    const auto first = std::ranges::lower_bound(jumps_ns_, from_ns);
-    return first != jumps_ns_.end() && *first <= to_ns;
-  }
-
- private:
-  static constexpr std::int64_t kBeside = 3 * kSecond;  ///< longer than a reference is late
-  static constexpr double kLeast_rad = 5.0 * kRadPerDeg;
-
-  void find(const Series& parted) {
-    // A bias parts them, too: it is the middle one of the steps.
-    std::vector<double> steps;
-    std::vector<std::int64_t> at_ns;
-    for (std::size_t k = 0; k < parted.size(); ++k) {
-      const auto before = parted.at(parted.time_ns(k) - kBeside, longest_ns_);
-      const auto after = parted.at(parted.time_ns(k) + kBeside, longest_ns_);
-      if (!before || !after) continue;
-      steps.push_back(*after - *before);
-      at_ns.push_back(parted.time_ns(k));
-    }
-    if (steps.empty()) return;
-    const double bias = statistics::median_of(steps);
-    std::vector<double> sizes;
-    sizes.reserve(steps.size());
-    for (const double step : steps) sizes.push_back(std::abs(step - bias));
-    const double least = std::max(kLeast_rad, 20.0 * statistics::median_of(sizes));
-    for (std::size_t k = 0; k < steps.size(); ++k) {
-      if (sizes[k] > least) jumps_ns_.push_back(at_ns[k]);
-    }
-  }
-
-  const Series& heading_;
-  std::int64_t longest_ns_;
-  std::vector<std::int64_t> jumps_ns_;
-};
 
 /// Root mean square of the heading's change over the stops.
 double error_at_stops(const Series& heading_rad, const std::vector<Stop>& stops) {
@@ -183,18 +93,27 @@ void find_drives(const Track& track, Truth& truth) {
   truth.heading_rad = with_whole_turns(track, truth.vertical);
   const Series& heading = truth.heading_rad;
   const std::int64_t longest_ns = heading.longest_interval_ns();
-  const JumpFinder jumps{track, heading, truth.vertical};
+  const HeadingJumps jumps{track, heading, truth.vertical};
   for (std::size_t k = 1; k < truth.stops.size(); ++k) {
-    const Stop& stop = truth.stops[k - 1];
-    Drive drive{.from_ns = stop.middle_ns(),
-                .departure_ns = stop.to_ns,
-                .to_ns = truth.stops[k].middle_ns()};
-    const auto first = heading.at(drive.from_ns, longest_ns);
-    const auto last = heading.at(drive.to_ns, longest_ns);
-    if (!first || !last || !heading.covers(drive.from_ns, drive.to_ns, longest_ns)) {
+    const Stop& before = truth.stops[k - 1];
+    const Stop& after = truth.stops[k];
+    Drive drive{.from_ns = before.middle_ns(),
+                .departure_ns = before.to_ns,
+                .arrival_ns = after.from_ns,
+                .to_ns = after.middle_ns()};
+    const auto turned = [&](std::int64_t from_ns, std::int64_t to_ns) -> std::optional<double> {
+      const auto first = heading_at_rest(heading, from_ns, before);
+      const auto last = heading_at_rest(heading, to_ns, after);
+      if (!first || !last) return std::nullopt;
+      return *last - *first;
+    };
+    const auto turn = turned(drive.from_ns, drive.to_ns);
+    const auto on_the_way = turned(drive.way_from_ns(), drive.way_to_ns());
+    if (!turn || !on_the_way || !heading.covers(drive.from_ns, drive.to_ns, longest_ns)) {
       drive.flaw = Flaw::heading_missing;
     } else {
-      drive.turn_rad = *last - *first;
+      drive.turn_rad = *turn;
+      drive.way_turn_rad = *on_the_way;
       if (jumps.has_between(drive.from_ns, drive.to_ns)) drive.flaw = Flaw::heading_jump;
     }
     truth.drives.push_back(drive);
@@ -264,31 +183,6 @@ void find_stops(const Series& speed_m_s, Truth& truth) {
     is_open = true;
   }
   close();
-}
-
-std::optional<VerticalAxis> find_vertical_axis(const Track& track) {
-  constexpr double kLeastTurns_rad = 30.0 * kRadPerDeg;
-  const std::vector<Turn> turns = turns_of(track);
-  double total_rad = 0.0;
-  for (const Turn& turn : turns) total_rad += std::abs(turn.reference_rad);
-  if (total_rad < kLeastTurns_rad) return std::nullopt;
-  VerticalAxis best{.correlation = -1.0};
-  std::string candidates;
-  for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
-    const VerticalAxis candidate = regress(turns, axis);
-    candidates += fmt::format("{}{} with correlation {:.2f} and {:.2f} of its turns",
-                              axis == 0 ? "" : ", ", name(candidate, track.axis_count),
-                              candidate.correlation, candidate.turns_ratio);
-    if (candidate.correlation > best.correlation) best = candidate;
-  }
-  if (!is_followed(best)) {
-    throw recording::DataError(fmt::format(
-        "no axis of the gyro follows the reference's heading: {}; expected a correlation of 0.7 "
-        "and 0.8 to 1.25 of its turns. Name the axis that points up or down with --vertical-axis, "
-        "or leave the reference columns out",
-        candidates));
-  }
-  return best;
 }
 
 Truth find_truth(const Track& track, const TruthOptions& options) {

@@ -2,6 +2,7 @@
 /// True stops and true drives of a vehicle, by a reference system.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -44,13 +45,27 @@ enum class Flaw : std::uint8_t {
 };
 [[nodiscard]] std::string_view name(Flaw flaw);
 
+/// A stop lasts at least so long: the node's settle time and hold-back, and twice that of rest.
+inline constexpr double kShortestStop_s = 4.0;
+
 /// From the middle of a stop to the middle of the next.
 struct Drive {
   std::int64_t from_ns = 0;
   std::int64_t departure_ns = 0;
+  std::int64_t arrival_ns = 0;  ///< beginning of the next stop
   std::int64_t to_ns = 0;
-  double turn_rad = 0.0;  ///< turn of the heading
+  double turn_rad = 0.0;      ///< turn of the heading from middle to middle
+  double way_turn_rad = 0.0;  ///< turn of the heading from way_from_ns() to way_to_ns()
   Flaw flaw = Flaw::none;
+
+  /// Rest on both sides of the way, in which a late reference catches up.
+  static constexpr auto kBesideTheWay_ns = static_cast<std::int64_t>(kShortestStop_s * 0.5e9);
+  [[nodiscard]] std::int64_t way_from_ns() const {
+    return std::max(from_ns, departure_ns - kBesideTheWay_ns);
+  }
+  [[nodiscard]] std::int64_t way_to_ns() const {
+    return std::min(to_ns, arrival_ns + kBesideTheWay_ns);
+  }
 };
 
 struct TruthOptions {
@@ -76,16 +91,15 @@ struct Truth {
   std::string obstacle;
 };
 
-/// A stop lasts at least so long: the node's settle time and hold-back, and twice that of rest.
-inline constexpr double kShortestStop_s = 4.0;
-
 /// Stops by the reference's speed. The speed's noise is the lower quartile of its root mean square
 /// in spans of 2 s that never exceed 0.5 m/s; a stop stays below 6 times that, at least 0.02 m/s
 /// and at most 0.3 m/s, for kShortestStop_s.
 void find_stops(const Series& speed_m_s, Truth& truth);
 
 /// The axis whose integral follows the reference's heading. The least squares over turns of at
-/// least a second must have a correlation of 0.7 and turns within 25 % of the reference's.
+/// least a second must have a correlation of 0.7 and turns within 25 % of the reference's. Where no
+/// axis has, the turns in which axis and reference agree roughly must, and be most of all turns.
+/// The time in which an axis repeats one value does not count.
 /// @return nullopt if the reference turns by less than 30 deg in all
 /// Throws recording::DataError if no axis does so.
 [[nodiscard]] std::optional<VerticalAxis> find_vertical_axis(const Track& track);

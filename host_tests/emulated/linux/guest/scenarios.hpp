@@ -45,8 +45,8 @@ void break_the_lines(DeviceWorld& world, Verdict& verdict);
 void break_the_system(DeviceWorld& world, Verdict& verdict);
 
 /// Drivers of the kernel in the place of ours, read through IIO; so long with each.
-/// @param is_whole  whether stamps count, which can be late on a busy host, and the chips'
-/// relatives are read too
+/// @param is_whole  whether the host is quiet, so that stamps count and few polls are late, and the
+/// chips' relatives are read too
 void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds, bool is_whole);
 
 }  // namespace zerorate::emulated

@@ -96,14 +96,17 @@ std::string forgotten_fields(Format format) {
 
 TEST(CppHeader, ChangesWithEveryFieldOfTheModel) {
   EXPECT_EQ(forgotten_fields([](const SensorModel& model) {
-              return format_cpp_header(model, kFullPeriod, kFullTick);
+              return format_cpp_header(model, kFullPeriod, kFullTick) +
+                     format_cpp_header(without_accelerometer(model), kFullPeriod, kFullTick);
             }),
             "");
 }
 
 TEST(CHeader, ChangesWithEveryFieldButThoseOfSingleSamples) {
   EXPECT_EQ(forgotten_fields([](const SensorModel& model) {
-              return format_c_header(full_model_for_c(model), kFullPeriod, kFullTick, "full_model");
+              const SensorModel in_c = full_model_for_c(model);
+              return format_c_header(in_c, kFullPeriod, kFullTick, "full_model") +
+                     format_c_header(without_accelerometer(in_c), kFullPeriod, kFullTick, "blind");
             }),
             "outliers.probability outliers.sigma_dps motion_contamination.interval_s "
             "motion_contamination.duration_s motion_contamination.sigma_dps "

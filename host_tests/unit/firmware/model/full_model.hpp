@@ -52,12 +52,14 @@ lag_s = 30
 
 [[input]]
 quantity = "acceleration_x"
+without_accelerometer = "ignore"
 sigma_dps_per_unit = 0.05
 coefficient_dps_per_unit = [0.01, -0.02, 0.03]
 source = "tumble test"
 
 [[input]]
 quantity = "vibration"
+without_accelerometer = "flag"
 sigma_dps_per_unit = 0.5
 coefficient_dps_per_unit = [0.1, 0.2, -0.3]
 

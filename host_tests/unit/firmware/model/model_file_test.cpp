@@ -63,6 +63,8 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.inputs[0].sigma_rad_s_per_unit, 0.05 * kDeg);
   EXPECT_DOUBLE_EQ(model.inputs[0].coefficient_rad_s_per_unit[1], -0.02 * kDeg);
   EXPECT_EQ(model.inputs[1].quantity, InputQuantity::vibration);
+  EXPECT_EQ(model.inputs[0].without_accelerometer, WithoutAccelerometer::ignore);
+  EXPECT_EQ(model.inputs[1].without_accelerometer, WithoutAccelerometer::flag);
   EXPECT_DOUBLE_EQ(model.temperature->slope_rad_s_per_k, -0.03 * kDeg);
   EXPECT_DOUBLE_EQ(model.temperature->slope_sigma_rad_s_per_k, 0.01 * kDeg);
   EXPECT_DOUBLE_EQ(model.temperature->curvature_rad_s_per_k2, 2e-4 * kDeg);
@@ -154,7 +156,7 @@ TEST(ModelFileWithAnUnknownName, SuggestsTheNearestWithPlace) {
   EXPECT_EQ(message_of(with("decades", "decade")),
             "m.toml:11:1: unknown key \"decade\" in [flicker]; did you mean \"decades\"?");
   EXPECT_EQ(message_of(with("[warm_up]", "[warmup]")),
-            "m.toml:51:2: unknown table \"warmup\"; did you mean \"warm_up\"?");
+            "m.toml:53:2: unknown table \"warmup\"; did you mean \"warm_up\"?");
   EXPECT_EQ(message_of(with("name =", "pressure = 3\nname =")),
             "m.toml:2:1: unknown key \"pressure\"");
 }
@@ -219,7 +221,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:110:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
+            "m.toml:112:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"

@@ -210,6 +210,31 @@ TEST(NodeModelThatFollowsTheTemperature, NeedsANodeThatDoes) {
   EXPECT_THROW((void)(make_node_model<kSixDecades>(model, kSample, kTick)), std::invalid_argument);
 }
 
+TEST(InputIgnoredWithoutAccelerometer, CountsWhereOneIsRead) {
+  SensorModel model = find_model("lsm6dso");
+  model.inputs = {{.quantity = InputQuantity::vibration,
+                   .without_accelerometer = WithoutAccelerometer::ignore,
+                   .sigma_rad_s_per_unit = 1e-3}};
+  constexpr core::ModelShape kBlind{.decaying = 6, .inputs = 1};
+  constexpr core::ModelShape kSeeing = with_accelerometer(kBlind);
+  EXPECT_EQ(count_inputs(make_node_model<kBlind>(model, kSample, kTick).inputs), 0U);
+  EXPECT_EQ(count_inputs(make_node_model<kSeeing>(model, kSample, kTick).inputs), 1U);
+  const auto room_for_inputs = [&](bool has_accelerometer) {
+    return with_shape_of<kLargestShape>(model, has_accelerometer,
+                                        []<core::ModelShape Shape>() { return Shape.inputs; });
+  };
+  EXPECT_EQ(room_for_inputs(false), 0U);
+  EXPECT_EQ(room_for_inputs(true), kWidestShape.inputs);
+}
+
+TEST(InputOfTheTemperature, DependsOnNoAccelerometer) {
+  SensorModel model = find_model("lsm6dso");
+  model.inputs = {{.quantity = InputQuantity::temperature_rate,
+                   .without_accelerometer = WithoutAccelerometer::ignore,
+                   .sigma_rad_s_per_unit = 1e-3}};
+  EXPECT_THROW((void)make_full_node_model(model, kSample, kTick), std::invalid_argument);
+}
+
 TEST(NodeModelOfImpossibleInput, IsRefused) {
   const SensorModel model = find_model("adis16405");
   const auto make = [](const SensorModel& m, Duration sample, Duration tick) {

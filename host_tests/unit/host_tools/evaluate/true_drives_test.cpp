@@ -68,19 +68,19 @@ Scored replay_with_truth(const std::filesystem::path& path, const ReplayOptions&
   return scored;
 }
 
-/// The heading error of a drive by hand: from the messages alone, in integers of the sample period.
-/// The departure is the first sample of a tick, and its prediction is complete with the last one.
-double error_by_hand(const std::vector<app::RateMessage>& messages, std::size_t from,
-                     std::size_t departure, std::size_t to, double turned_about_z_deg) {
+/// Sum of a rate about z over the samples after one up to another, in integers of the sample
+/// period.
+template <class Rate>
+double turned_by_hand(const std::vector<app::RateMessage>& messages, std::size_t from,
+                      std::size_t to, const Rate& rate_rad_s) {
   long double sum = 0.0L;
   for (std::size_t k = from + 1; k <= to; ++k) {
-    sum += static_cast<long double>(messages[k].axes[2].measured.in(core::rad_per_s)) -
-           static_cast<long double>(messages[departure + 4].axes[2].bias.in(core::rad_per_s));
+    sum += static_cast<long double>(rate_rad_s(messages[k].axes[2]));
   }
-  return turned_about_z_deg * kRadPerDeg - static_cast<double>(0.1L * sum);
+  return static_cast<double>(0.1L * sum);
 }
 
-TEST(DrivesAgainstAReference, IntegrateTheCorrectedRate) {
+TEST(DrivesAgainstAReference, IntegrateWhatIsPublished) {
   const zerorate::testing::ScratchFolder folder;
   const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference,
                                         rows_of_a_drive(1000.0, 5));
@@ -89,18 +89,66 @@ TEST(DrivesAgainstAReference, IntegrateTheCorrectedRate) {
   const TrueDrives& drives = *scored.result.true_drives;
   EXPECT_EQ(name(drives.truth.vertical, 3), "-z");
   ASSERT_EQ(drives.scored(), 9U);
+  const auto published = [](const app::AxisRate& axis) {
+    return axis.corrected.in(core::rad_per_s);
+  };
   for (std::size_t k = 0; k < 9; ++k) {
-    // Stops last from a multiple of 100 s to 40.0 s after it; the next begins with the row after a
-    // multiple of 100 s has passed.
-    const std::size_t from = 1000 * k + 200;
-    const double expected = error_by_hand(scored.messages, from, from + 200, from + 1000, 150.0);
+    // Stops last from a multiple of 100 s, or the row after it, to 40.0 s after it.
+    const ScoredTrueDrive& drive = drives.drives[k];
+    const std::size_t departure = 1000 * k + 400;
+    const auto arrival = static_cast<std::size_t>(drive.drive.arrival_ns / 100'000'000);
+    ASSERT_NEAR(static_cast<double>(arrival), 1000.0 * static_cast<double>(k + 1), 1.01);
+    ASSERT_EQ(drive.drive.departure_ns, static_cast<std::int64_t>(departure) * 100'000'000);
+    const double expected = 150.0 * kRadPerDeg - turned_by_hand(scored.messages, departure - 20,
+                                                                arrival + 20, published);
     // Heading of single precision: 2e-5 deg at either end.
-    EXPECT_NEAR(drives.drives[k].outcomes[0].drift_rad, expected, 5e-5 * kRadPerDeg) << k;
-    EXPECT_GT(drives.drives[k].outcomes[0].sigma_rad, 0.0);
-    EXPECT_GT(drives.drives[k].along.size(), 90U);
-    EXPECT_NEAR(drives.drives[k].along.back().error_rad, expected, 5e-5 * kRadPerDeg);
-    EXPECT_NEAR(drives.drives[k].along.front().error_rad, 0.0, 0.01 * kRadPerDeg);
+    EXPECT_NEAR(drive.outcomes[0].drift_rad, expected, 5e-5 * kRadPerDeg) << k;
+    EXPECT_GT(drive.outcomes[0].sigma_rad, 0.0);
+    EXPECT_GT(drive.along.size(), 60U);
+    EXPECT_NEAR(drive.along.back().error_rad, expected, 5e-5 * kRadPerDeg);
+    EXPECT_NEAR(drive.along.front().error_rad, 0.0, 0.01 * kRadPerDeg);
   }
+}
+
+// The departure is the first sample of a tick, and its prediction is complete with the last one.
+TEST(DrivesAgainstAReference, AreScoredByTheBiasAtDepartureToo) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference,
+                                        rows_of_a_drive(1000.0, 5));
+  const Scored scored = replay_with_truth(path, {.model = sensor_model()});
+  for (std::size_t k = 0; k < 9; ++k) {
+    const std::size_t from = 1000 * k + 200;
+    const auto bias = scored.messages[from + 204].axes[2].bias;
+    const double expected =
+        150.0 * kRadPerDeg -
+        turned_by_hand(scored.messages, from, from + 1000, [&](const app::AxisRate& axis) {
+          return (axis.measured - bias).in(core::rad_per_s);
+        });
+    const DriveOutcome& outcome = scored.result.true_drives->drives[k].at_departure[0];
+    EXPECT_NEAR(outcome.drift_rad, expected, 5e-5 * kRadPerDeg) << k;
+  }
+}
+
+TEST(DrivesAgainstAReference, DoNotSufferFromABiasThatDriftsAtRest) {
+  const zerorate::testing::ScratchFolder folder;
+  auto rows = rows_of_a_drive(1000.0, 5);
+  // A dock: the first stop lasts 1000 s more, in which the bias falls by 1 deg/s.
+  std::vector<recording::Row> dock = testing::rows_at_rest(10000, 0.1, 6);
+  for (std::size_t k = 0; k < dock.size(); ++k) {
+    dock[k].rate_rad_s[2] +=
+        static_cast<float>(1e-4 * static_cast<double>(dock.size() - k) * kRadPerDeg);
+    dock[k].ref_heading_rad = rows.front().ref_heading_rad;
+    dock[k].ref_speed_m_s = 0.0F;
+    dock[k].odometer_pulses = 0;
+  }
+  for (recording::Row& row : rows) row.time_ns += 1'000'000'000'000;
+  rows.insert(rows.begin(), dock.begin(), dock.end());
+  const auto path = testing::write_rows(folder.path() / "dock.csv.gz", kWithReference, rows);
+  const TrueDrives drives = *replay_with_truth(path, {.model = sensor_model()}).result.true_drives;
+  ASSERT_EQ(drives.drives.front().flaw, truth::Flaw::none);
+  const ScoredTrueDrive& first = drives.drives.front();
+  EXPECT_LT(std::abs(first.outcomes[0].drift_rad), 4.0 * kRadPerDeg);
+  EXPECT_GT(std::abs(first.at_departure[0].drift_rad), 50.0 * kRadPerDeg);
 }
 
 TEST(DrivesAgainstAReference, HaveTheFiguresOfTheirErrors) {
@@ -217,6 +265,12 @@ TEST(ReplayWithAReference, TellsItInJsonAndReport) {
   EXPECT_EQ(drives.at("drives").size(), 4U);
   EXPECT_EQ(drives.at("vertical_axis"), "-z");
   EXPECT_TRUE(drives.at("drives")[0].at("flaw").is_null());
+  const auto& kalman = drives.at("predictors").at("kalman");
+  EXPECT_TRUE(kalman.at("bias_at_departure").at("heading_error_rms_deg").is_number());
+  const auto& axis = json.at("axes").at("z").at("predictors").at("kalman");
+  for (const char* figure : {"heading_drift_rms_deg", "coverage95", "ie_deg"}) {
+    EXPECT_TRUE(axis.at(figure).is_null()) << "the true rate is not known: " << figure;
+  }
 
   // Stops of 40 s by odometer: learnt from but for the settle time and the hold-back at the end.
   ASSERT_EQ(trace.learnt().size(), 5U);
@@ -282,7 +336,8 @@ TEST(RingLaserGyroInACar, IsNotMadeWorseByHeadingsAtStops) {
                                       .sigma_rad = 0.03 * kRadPerDeg};
     const auto taught = replay_with_truth(path, options, {});
     const TrueScore with = taught.result.true_drives->score(app::Predictor::kalman);
-    EXPECT_LE(with.rms_rad, 1.02 * without.rms_rad) << model;
+    // One worst drive of 19 makes most of the root mean square: 5 % are chance.
+    EXPECT_LE(with.rms_rad, 1.05 * without.rms_rad) << model;
     EXPECT_GE(with.coverage95, without.coverage95) << model;
     EXPECT_LT(std::abs(taught.result.learnt_motion->scale_factor), 0.003) << model;
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -11,6 +13,7 @@
 #include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/writer.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::truth {
 namespace {
@@ -188,6 +191,63 @@ TEST_F(ReferenceOfADrive, FlagsDrivesWithGapsAndJumps) {
   EXPECT_EQ(found.drives[1].flaw, Flaw::heading_missing);
   EXPECT_EQ(found.drives[2].flaw, Flaw::heading_jump);
   EXPECT_EQ(found.drives[3].flaw, Flaw::none);
+}
+
+/// Repeats its rates from a time on, as long as it stays within a span.
+std::function<void(double, recording::Row&)> stuck(double from_s, double to_s) {
+  return [=, held = std::array<float, 3>{}](double time_s, recording::Row& row) mutable {
+    if (time_s > from_s && time_s < to_s) {
+      row.rate_rad_s = held;
+    } else {
+      held = row.rate_rad_s;
+    }
+  };
+}
+
+TEST_F(ReferenceOfADrive, IsNotAtFaultWhereTheGyroIsStuck) {
+  const Truth found = truth({.spoil = stuck(85.0, 130.0)});
+  ASSERT_EQ(found.drives.size(), 4U);
+  for (const Drive& drive : found.drives) EXPECT_EQ(drive.flaw, Flaw::none);
+  EXPECT_NEAR(found.drives[1].turn_rad / kRadPerDeg, 90.0, 1e-3);
+  EXPECT_EQ(name(truth({.spoil = stuck(100.0, 301.0)}).vertical, 3), "z") << "dead for good";
+}
+
+TEST_F(ReferenceOfADrive, IsNotAtFaultWhereTheGyroHasWildValues) {
+  // One value of 200 is 300 deg/s, which is 30 deg: the turns of the drives are 4.5 deg/s.
+  const auto wild = [](double time_s, recording::Row& row) {
+    const auto k = std::lround(time_s * 10.0);
+    if (k % 200 == 77)
+      row.rate_rad_s[2] = static_cast<float>(300.0 * kRadPerDeg * static_cast<double>(k % 3 - 1));
+  };
+  const Truth found = truth({.spoil = wild});
+  EXPECT_EQ(name(found.vertical, 3), "z");
+  EXPECT_NEAR(found.vertical.turns_ratio, 1.0, 0.02);
+  ASSERT_EQ(found.drives.size(), 4U);
+  for (const Drive& drive : found.drives) EXPECT_EQ(drive.flaw, Flaw::none);
+}
+
+TEST_F(ReferenceOfADrive, GivesTheAxisOfAGyroThatClipsSomeTurns) {
+  // A spin of 200 deg/s for 2 s in one drive, of which the gyro measures 30 deg/s at most.
+  const auto clips = [](double time_s, recording::Row& row) {
+    constexpr double kSpin_dps = 200.0;
+    const double spun_s = std::clamp(time_s - 95.0, 0.0, 2.0);
+    if (spun_s > 0.0 && spun_s < 2.0) row.rate_rad_s[2] = static_cast<float>(30.0 * kRadPerDeg);
+    const double heading_deg = double{row.ref_heading_rad} / kRadPerDeg + kSpin_dps * spun_s;
+    row.ref_heading_rad = static_cast<float>(std::fmod(heading_deg, 360.0) * kRadPerDeg);
+  };
+  const Truth found = truth({.length_s = 900.0, .spoil = clips});
+  EXPECT_EQ(name(found.vertical, 3), "z");
+  EXPECT_NEAR(found.vertical.turns_ratio, 1.0, 0.02);
+}
+
+TEST_F(ReferenceOfADrive, TurnsOnTheWayAsFromMiddleToMiddle) {
+  const Truth found = truth({});
+  ASSERT_EQ(found.drives.size(), 4U);
+  for (const Drive& drive : found.drives) {
+    EXPECT_NEAR(drive.way_turn_rad, drive.turn_rad, 1e-5);
+    EXPECT_NEAR(units::seconds(drive.departure_ns - drive.way_from_ns()), 2.0, 1e-9);
+    EXPECT_NEAR(units::seconds(drive.way_to_ns() - drive.arrival_ns), 2.0, 1e-9);
+  }
 }
 
 TEST_F(ReferenceOfADrive, ThatEndsEarlyLeavesTheRestUnscored) {
