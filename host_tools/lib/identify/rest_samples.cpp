@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/lib/identify/lost_samples.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -169,91 +169,7 @@ void leave_out_wild_start(RestSamples& samples) {
   samples.wild = wild;
 }
 
-/// Outliers of one axis: runs that a jump begins and a jump back ends.
-class OutlierSearch {
- public:
-  OutlierSearch(const RestSamples& samples, std::size_t axis) : samples_(samples), axis_(axis) {}
-
-  /// Whether a block has a change that is large beside the others.
-  [[nodiscard]] bool may_have_outliers(std::size_t first, std::size_t end) const {
-    constexpr double kLarge = 15.0;  // 20 standard deviations are 18 mean changes
-    double sum = 0.0;
-    double most = 0.0;
-    for (std::size_t k = std::max<std::size_t>(first, 1); k < end; ++k) {
-      sum += change(k);
-      most = std::max(most, change(k));
-    }
-    return most * static_cast<double>(end - first) > kLarge * sum;
-  }
-
-  void search(std::size_t first, std::size_t end, std::vector<std::size_t>& found) const {
-    const double limit = limit_in(first, end);
-    for (std::size_t k = std::max<std::size_t>(first, 1); k < end; ++k) {
-      if (!(change(k) > limit)) continue;
-      const std::size_t run = run_at(k);
-      for (std::size_t i = 0; i < run; ++i) found.push_back(k + i);
-      k += run;
-    }
-  }
-
- private:
-  [[nodiscard]] double rate(std::size_t k) const { return double{samples_.rate_rad_s[k][axis_]}; }
-  [[nodiscard]] double change(std::size_t k) const { return std::abs(rate(k) - rate(k - 1)); }
-
-  /// Samples from k on that lie apart from those before and behind them; 0 where none do.
-  [[nodiscard]] std::size_t run_at(std::size_t k) const {
-    constexpr std::size_t kLongest = 5;
-    constexpr std::size_t kAround = 32;
-    const std::size_t size = samples_.time.size();
-    const double limit = limit_in(k > kAround ? k - kAround : 0, std::min(size, k + kAround));
-    if (!(change(k) > limit)) return 0;
-    for (std::size_t run = 1; run <= kLongest && k + run < size; ++run) {
-      if (change(k + run) > limit && std::abs(rate(k + run) - rate(k - 1)) < 0.5 * limit)
-        return run;
-    }
-    return 0;
-  }
-
-  /// Twenty standard deviations of the white noise of some samples; steps, where most are equal.
-  [[nodiscard]] double limit_in(std::size_t first, std::size_t end) const {
-    constexpr double kSigmas = 20.0;
-    std::vector<double> rates;
-    for (std::size_t k = first; k < end; ++k) rates.push_back(rate(k));
-    const double sigma = statistics::sigma_of_changes(rates);
-    if (sigma > 0.0) return kSigmas * sigma;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = first + 1; k < end; ++k) {
-      if (change(k) > 0.0) least = std::min(least, change(k));
-    }
-    return kSigmas * least;
-  }
-
-  const RestSamples& samples_;
-  std::size_t axis_;
-};
-
 }  // namespace
-
-std::vector<std::size_t> find_outliers(const RestSamples& samples) {
-  constexpr std::size_t kBlock = 4096;
-  constexpr std::size_t kFewest = 64;
-  std::vector<std::size_t> found;
-  const std::size_t size = samples.time.size();
-  if (size < kFewest) return found;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    const OutlierSearch outliers{samples, axis};
-    for (std::size_t first = 0; first < size; first += kBlock) {
-      const std::size_t end = std::min(size, first + kBlock);
-      // A short rest is judged with samples of the block before it.
-      const std::size_t begin = end - first < kFewest ? end - kFewest : first;
-      if (outliers.may_have_outliers(begin, end)) outliers.search(begin, end, found);
-    }
-  }
-  std::ranges::sort(found);
-  const auto copies = std::ranges::unique(found);
-  found.erase(copies.begin(), copies.end());
-  return found;
-}
 
 RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& indices) {
   RestSamples rest = samples;
@@ -279,6 +195,29 @@ RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& 
   return rest;
 }
 
+namespace {
+
+/// The period of a sensor some of whose samples are lost is shorter than the mean interval of the
+/// others.
+void find_lost_samples(RestSamples& samples) {
+  constexpr double kNoticed = 0.03;
+  constexpr double kUncertain = 0.15;  // 8 % of N
+  if (samples.is_timed_by_rows) return;
+  const LostShare lost = lost_share(samples.time);
+  if (lost.by_unevenness - lost.certain() > kUncertain) {
+    throw recording::DataError(fmt::format(
+        "the samples come as unevenly as if {:.0f} % of them were lost, and their stamps do not "
+        "show which: N is not known. --rows-at HZ gives the rate of the sensor",
+        100.0 * lost.by_unevenness));
+  }
+  if (lost.certain() < kNoticed) return;
+  const auto mean_ns = static_cast<double>(lost.mean_interval.ns());
+  const auto period = core::Duration::nanoseconds(std::llround(mean_ns * (1.0 - lost.certain())));
+  samples.mean_period = std::min(samples.mean_period, period);
+}
+
+}  // namespace
+
 RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& options) {
   constexpr std::uint64_t kProgressRows = 4096;
   RestSamples samples;
@@ -302,6 +241,7 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
     throw recording::DataError(fmt::format(
         "{} of {} rows have no rate on all axes: too few are left", samples.lost, samples.rows));
   }
+  find_lost_samples(samples);
   return samples;
 }
 
