@@ -19,7 +19,7 @@ std::vector<double> durations(std::span<const core::Instant> times, std::size_t 
   return found;
 }
 
-/// Mean of the intervals near one that four of five exceed: what single samples lie apart [ns].
+/// Mean of the intervals near the one that four of five exceed [ns].
 double shortest_common(std::vector<double> intervals) {
   const auto fifth = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 5);
   std::ranges::nth_element(intervals, fifth);
@@ -36,7 +36,7 @@ double shortest_common(std::vector<double> intervals) {
 
 }  // namespace
 
-LostShare lost_share(std::span<const core::Instant> times) {
+LostShare lost_share(std::span<const core::Instant> times, bool shares_stamps) {
   constexpr std::size_t kFewestBlocks = 32;
   constexpr double kDeviationPerSigma = 0.6744897501960817;
   LostShare lost{.by_unevenness = 1.0};
@@ -48,11 +48,12 @@ LostShare lost_share(std::span<const core::Instant> times) {
     for (double& block : blocks) block = std::abs(block - typical);
     const double sigma = statistics::median_of(std::move(blocks)) / kDeviationPerSigma;
     const double share = static_cast<double>(samples) * sigma * sigma / (typical * typical);
-    lost.by_unevenness = std::min(lost.by_unevenness, share);
+    lost.by_unevenness = shares_stamps ? share : std::min(lost.by_unevenness, share);
     mean_ns = typical / static_cast<double>(samples);
   }
   if (!(mean_ns > 0.0)) return {};
   lost.mean_interval = core::Duration::nanoseconds(std::llround(mean_ns));
+  if (shares_stamps) return lost;
   lost.by_intervals = std::max(0.0, 1.0 - shortest_common(durations(times, 1)) / mean_ns);
   return lost;
 }

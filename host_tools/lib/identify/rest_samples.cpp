@@ -201,9 +201,10 @@ namespace {
 /// others.
 void find_lost_samples(RestSamples& samples) {
   constexpr double kNoticed = 0.03;
-  constexpr double kUncertain = 0.15;  // 8 % of N
+  constexpr double kUncertain = 0.1;  // 5 % of N
   if (samples.is_timed_by_rows) return;
-  const LostShare lost = lost_share(samples.time);
+  const std::uint64_t spread = samples.findings.count(recording::Finding::time_spread);
+  const LostShare lost = lost_share(samples.time, 2 * spread > samples.rows);
   if (lost.by_unevenness - lost.certain() > kUncertain) {
     throw recording::DataError(fmt::format(
         "the samples come as unevenly as if {:.0f} % of them were lost, and their stamps do not "
