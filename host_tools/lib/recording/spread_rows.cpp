@@ -47,6 +47,7 @@ bool SpreadRows::next(Row& row) {
     std::swap(group_, next_);
     given_ = 0;
     if (group_.empty()) {
+      next_.clear();  // the end may be asked for again
       rows_.rethrow();
       return false;
     }
