@@ -37,12 +37,12 @@ double shortest_common(std::vector<double> intervals) {
 }  // namespace
 
 LostShare lost_share(std::span<const core::Instant> times, bool shares_stamps) {
-  constexpr std::size_t kFewestBlocks = 32;
+  const std::size_t fewest_blocks = shares_stamps ? 16 : 32;
   constexpr double kDeviationPerSigma = 0.6744897501960817;
   LostShare lost{.by_unevenness = 1.0};
   double mean_ns = 0.0;
   for (const std::size_t samples : {64U, 256U, 1024U}) {
-    if (times.size() <= kFewestBlocks * samples) break;
+    if (times.size() <= fewest_blocks * samples) break;
     std::vector<double> blocks = durations(times, samples);
     const double typical = statistics::median_of(blocks);
     for (double& block : blocks) block = std::abs(block - typical);

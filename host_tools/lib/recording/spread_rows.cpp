@@ -151,8 +151,12 @@ void SpreadRows::spread_first() {
 void SpreadRows::expect_stamps_with_digits() const {
   constexpr std::uint64_t kFewestStamps = 10;
   constexpr std::uint64_t kFewestRows = 32;
+  constexpr std::uint64_t kFewestLongStamps = 32;
+  constexpr std::uint64_t kLong = 64;
   const bool is_exception = 2 * sharing_ < counted_ || sharing_ < 3 * shared_stamps_;
-  if (shared_stamps_ >= kFewestStamps || counted_ < kFewestRows || is_exception) return;
+  const bool is_long = sharing_ > kLong * shared_stamps_;
+  const std::uint64_t fewest = is_long ? kFewestLongStamps : kFewestStamps;
+  if (shared_stamps_ >= fewest || counted_ < kFewestRows || is_exception) return;
   throw Error{
       {name_},
       fmt::format("only {} different stamps in {} rows: their digits were lost", stamps_, counted_),

@@ -17,10 +17,10 @@ namespace zerorate::recording {
 
 /// Spreads rows with equal stamps, as those of a FIFO that was read in bursts or of a clock with
 /// few digits, evenly to the next stamp; before a gap and at the end by the mean interval of a
-/// sample
-/// (`time_spread`). A copy of the row before, in a recording whose neighbours differ, is left out.
-/// Memory: the rows of one stamp. Throws Error where a stamp has more than kMostRowsAStamp rows,
-/// and where less than ten stamps serve many rows: the digits of the stamps were lost.
+/// sample (`time_spread`). A copy of the row before, in a recording whose neighbours differ, is
+/// left out. Memory: the rows of one stamp. Throws Error where a stamp has more than
+/// kMostRowsAStamp rows, and where less than ten stamps serve many rows, or less than 32 more than
+/// 64 each: the digits of the stamps were lost.
 class SpreadRows : public RowSource {
  public:
   static constexpr std::size_t kMostRowsAStamp = 65'536;
