@@ -191,6 +191,10 @@ void print_characterization(const identify::Characterization& result, bool is_ve
     fmt::print("  note: the first {} rows left out: the gyro did not measure yet\n",
                result.rows_wild);
   }
+  if (result.rows_outlying > 0) {
+    fmt::print("  note: {} sample{} left out, 20 standard deviations from those around them\n",
+               result.rows_outlying, result.rows_outlying == 1 ? "" : "s");
+  }
   fmt::print("Figures in brackets are 95 % intervals.\n");
   for (const auto& axis : result.axes) print_axis(axis, is_verbose);
   print_coefficients(result);
@@ -216,6 +220,7 @@ ExitCode run_characterize(const CharacterizeOptions& options) {
   if (!options.kalibr.empty()) write_text(options.kalibr, identify::kalibr_yaml(result));
   if (!options.allan_csv.empty()) write_text(options.allan_csv, identify::allan_csv(result));
   if (options.prints_text()) {
+    print_doubt_of_rows(result.findings);
     for (const std::string& doubt : result.doubts) fmt::print("{}\n", wrapped("note: " + doubt));
     print_characterization(result, options.is_verbose);
   }

@@ -33,6 +33,7 @@ ExitCode run_convert(const ConvertOptions& options) {
   recording::Writer writer{options.output, reader.columns()};
   copy_rows(reader, writer);
   const recording::Findings& findings = reader.findings();
+  print_doubt_of_rows(findings);
   fmt::print("{}: {} samples every {:.6g} s\n", options.output, findings.rows(),
              static_cast<double>(findings.mean_interval_ns()) * 1e-9);
   print_findings(findings);

@@ -162,6 +162,8 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
     keep_calm(samples, odometer);
   }
   doubts = identify::require_rest(samples);
+  if (std::string unused = recording::doubt_of_rows(samples.findings); !unused.empty())
+    doubts.insert(doubts.begin(), std::move(unused));
   for (const std::string& doubt : doubts) print_note(options, doubt);
   if (samples.wild > 0) {
     print_note(options, fmt::format("the first {} samples left out: the gyro did not measure yet",

@@ -33,7 +33,9 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
     return command.add_option(name, value, help)->group("Files of other formats");
   };
   add("--columns", flags.columns,
-      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also rate (a single axis), temp, ax, "
+      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also t_ns (nanoseconds beside "
+      "seconds), "
+      "rate (a single axis), temp, ax, "
       "ay, az, pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
   add("--units", flags.units,
       "units that names do not give: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
@@ -42,6 +44,11 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       ", ; | tab or space; default: the first of comma, semicolon and tab in the header");
   command.add_flag("--decimal-comma", flags.decimal_comma, "decimals are written as in 0,5")
       ->group("Files of other formats");
+  add("--where", flags.where,
+      "text that columns must have: COLUMN=VALUE,...; other rows are of another sensor");
+  add("--skip-lines", flags.skip_lines, "lines before the header");
+  add("--rows-at", flags.rows_at_hz, "rate of the rows in Hz; their stamps do not count")
+      ->check(CLI::PositiveNumber);
   add("--speed-column", flags.speed_column,
       "speed of the vehicle, which decides what is rest; in the odometer's file if there is one");
   add("--still-below", flags.still_below_mps, "a greater speed is motion [m/s]; default 0")
@@ -88,6 +95,9 @@ recording::Input to_input(const InputFlags& flags) {
   read_option("--columns", flags.columns, [&](Text text) { input.layout.set_columns(text); });
   read_option("--units", flags.units, [&](Text text) { input.layout.set_units(text); });
   read_option("--delimiter", flags.delimiter, [&](Text text) { input.layout.set_delimiter(text); });
+  read_option("--where", flags.where, [&](Text text) { input.layout.set_where(text); });
+  input.layout.skipped_lines = flags.skip_lines;
+  input.layout.rows_at_hz = flags.rows_at_hz;
   input.layout.decimal_comma = flags.decimal_comma;
   read_option("--odometer-columns", flags.odometer_columns,
               [&](Text text) { input.odometer_layout.set_columns(text); });

@@ -22,6 +22,9 @@ struct InputFlags {
   std::string units;
   std::string delimiter;
   bool decimal_comma = false;
+  std::string where;
+  std::size_t skip_lines = 0;
+  std::optional<double> rows_at_hz;
   std::string speed_column;
   std::optional<double> still_below_mps;
   std::optional<double> speed_delay_s;

@@ -65,6 +65,12 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
     print_what_is_not_shown(options.flags, result, axes);
     print_result(result, axes);
   }
+  if (result.rows_corrected == 0) {
+    fmt::print(stderr, "zerorate: no row has a corrected rate: {}\n",
+               result.samples_frozen > 0 ? "the gyro did not measure"
+                                         : "the node measured no bias, as no stop was long enough");
+    return finding;
+  }
   return success;
 }
 

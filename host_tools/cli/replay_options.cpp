@@ -291,12 +291,17 @@ void print_what_is_not_shown(const ReplayFlags& flags, const evaluate::ReplayRes
              result.true_drives ? ", by the reference" : " unless --axis names another");
 }
 
+void print_doubt_of_rows(const recording::Findings& findings) {
+  const std::string doubt = recording::doubt_of_rows(findings);
+  if (!doubt.empty()) fmt::print("note: {}\n", doubt);
+}
+
 void print_findings(const recording::Findings& findings) {
   for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
     const auto finding = static_cast<recording::Finding>(i);
     if (const auto count = findings.count(finding); count > 0) {
-      fmt::print("  note: {} in {} rows, first in line {}\n", recording::description(finding),
-                 count, findings.first_line(finding));
+      fmt::print("  note: {} in {} row{}, first in line {}\n", recording::description(finding),
+                 count, count == 1 ? "" : "s", findings.first_line(finding));
     }
   }
   const std::string doubt = recording::doubt_of_acceleration(findings);
@@ -304,6 +309,7 @@ void print_findings(const recording::Findings& findings) {
 }
 
 void print_result(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
+  print_doubt_of_rows(result.findings);
   fmt::print("model: {}\n", result.model);
   if (!result.is_model_chosen) {
     fmt::print(

@@ -51,6 +51,7 @@ void add_replay_flags(CLI::App& app, ReplayFlags& flags);
 [[nodiscard]] evaluate::ReplayOptions to_replay_options(const ReplayFlags& flags);
 
 /// Prints oddities of a recording as notes for a terminal.
+void print_doubt_of_rows(const recording::Findings& findings);
 void print_findings(const recording::Findings& findings);
 
 /// Prints one line where the vertical axis is shown alone without having been asked for.

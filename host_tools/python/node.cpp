@@ -179,7 +179,7 @@ class Node {
       }
       return core::Duration::nanoseconds(std::llround(*sample_period_s_ * 1e9));
     }
-    recording::Reader reader{std::make_unique<ArrayRows>(samples)};
+    recording::Reader reader{std::make_unique<ArrayRows>(samples), "the arrays"};
     recording::Row row;
     for (std::size_t i = 0; i < evaluate::kRowsAhead && reader.next(row); ++i) {
     }

@@ -152,7 +152,7 @@ bool ArrayRows::next(recording::Row& row) {
 recording::Reader Source::open() const {
   if (!samples_) return recording::Reader{input_};
   if (samples_->time_ns.size() == 0) throw recording::DataError("the recording has no sample");
-  return recording::Reader{std::make_unique<ArrayRows>(*samples_)};
+  return recording::Reader{std::make_unique<ArrayRows>(*samples_), "the arrays"};
 }
 
 void add_source(py::module_& module) {

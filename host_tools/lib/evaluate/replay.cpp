@@ -42,12 +42,8 @@ class BufferedRows {
       throw recording::DataError(
           "the recording has fewer than two rows in time order: its sample rate cannot be told");
     }
-    constexpr std::int64_t kHour_ns = 3'600'000'000'000;
-    if (period_ns_ > kHour_ns) {
-      throw recording::DataError(
-          "the rows of the recording are more than an hour apart: are its stamps in the unit that "
-          "their column names?");
-    }
+    const std::string doubt = recording::doubt_of_period(period_ns_);
+    if (!doubt.empty() && !reader_.columns().is_timed_by_rows) throw recording::DataError(doubt);
     return core::Duration::nanoseconds(period_ns_);
   }
 
@@ -158,6 +154,7 @@ class Run {
                            node_);
       }
     }
+    if (message.has_rate() && message.health.calibrated) ++result_.rows_corrected;
     if (references_) learn_from_reference(row, message);
     if (observer_.on_sample) {
       observer_.on_sample({result_.rows, row.time_ns, moving, message, known_rates(row, truth),

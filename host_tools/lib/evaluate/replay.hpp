@@ -150,6 +150,7 @@ struct ReplayResult {
   std::uint64_t samples_frozen = 0;       ///< samples without a rate: an axis no longer measures
   double first_frozen_s = 0.0;            ///< time of the first of them since the first row
   std::uint64_t samples_disagreeing = 0;  ///< while gyro and odometer contradicted each other
+  std::uint64_t rows_corrected = 0;       ///< rows with a corrected rate
   recording::Findings findings;
   app::LoopCounters loop;  ///< counters of the chip's loop; zero if through source
   /// Whether the true rate was known, so that the scores mean something.

@@ -254,7 +254,8 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result) {
   }
 }
 
-std::vector<AxisResult> noise_of(const identify::RestSamples& samples) {
+std::vector<AxisResult> noise_of(const identify::RestSamples& all) {
+  const identify::RestSamples samples = identify::without_outliers(all);
   const core::Duration period = samples.mean_period;
   const core::Duration tick = identify::identification_tick(samples);
   const auto ticks = identify::average_ticks(samples, tick);
@@ -270,10 +271,25 @@ std::vector<AxisResult> noise_of(const identify::RestSamples& samples) {
   return axes;
 }
 
+identify::RestSamples read_population_samples(recording::Reader& reader) {
+  constexpr double kMostUnused = 0.1;
+  identify::RestSamples samples = identify::read_rest_samples(reader);
+  static_cast<void>(identify::require_rest(samples));
+  const auto left_out = samples.findings.left_out();
+  const double unused =
+      static_cast<double>(left_out + samples.lost) / static_cast<double>(left_out + samples.rows);
+  if (unused > kMostUnused) {
+    throw recording::DataError(
+        fmt::format("{:.2g} % of the rows cannot be used: the sensor is not judged by the rest. "
+                    "'zerorate characterize' shows why",
+                    100.0 * unused));
+  }
+  return samples;
+}
+
 RecordingResult analyse(const std::filesystem::path& recording) {
   recording::Reader reader{recording::Input{recording}};
-  const identify::RestSamples samples = identify::read_rest_samples(reader);
-  static_cast<void>(identify::require_rest(samples));
+  const identify::RestSamples samples = read_population_samples(reader);
   std::vector<std::size_t> axes(samples.axis_count);
   std::iota(axes.begin(), axes.end(), std::size_t{0});
   const identify::Characterization characterization =
@@ -281,7 +297,8 @@ RecordingResult analyse(const std::filesystem::path& recording) {
   RecordingResult result{.rows = samples.rows,
                          .sample_period_s = units::seconds(characterization.sample_period.ns()),
                          .rest_s = characterization.rest_s};
-  const auto ticks = identify::average_ticks(samples, characterization.tick);
+  const auto ticks =
+      identify::average_ticks(identify::without_outliers(samples), characterization.tick);
   for (const std::size_t axis : axes) {
     AxisResult one = result_of(characterization.axes[axis]);
     one.mean_rate_rad_s = mean_rate(samples, axis);

@@ -93,7 +93,12 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result);
 
 /// Mean rate and likelihood of every axis, without a diagnosis: an end-of-line test has no time for
 /// one. N is the likeliest on the grid.
-[[nodiscard]] std::vector<AxisResult> noise_of(const identify::RestSamples& samples);
+[[nodiscard]] std::vector<AxisResult> noise_of(const identify::RestSamples& all);
+
+/// Samples of a recording at rest, as far as a sensor can be judged by them. Throws
+/// recording::DataError for one that is not at rest, and where more than 10 % of the rows cannot be
+/// used.
+[[nodiscard]] identify::RestSamples read_population_samples(recording::Reader& reader);
 
 /// Characterizes and diagnoses a recording. Deterministic: a pure function of the samples.
 /// Throws recording::DataError for a recording that cannot be used, as of a sensor that was turned.

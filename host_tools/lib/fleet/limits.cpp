@@ -227,8 +227,7 @@ std::string_view name(Judgement judgement) {
 
 Acceptance accept(const std::filesystem::path& recording, const Limits& limits) {
   recording::Reader reader{recording::Input{recording}};
-  const identify::RestSamples samples = identify::read_rest_samples(reader);
-  static_cast<void>(identify::require_rest(samples));
+  const identify::RestSamples samples = read_population_samples(reader);
   // Periods of the samples together. Stamps at the ends may hide one more.
   const double period_s = units::seconds(samples.mean_period.ns());
   Acceptance acceptance{.rest_s = period_s * static_cast<double>(samples.time.size())};

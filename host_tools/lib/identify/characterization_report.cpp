@@ -205,11 +205,14 @@ report::Table sameness_table(const Characterization& result) {
 }
 
 std::string lead(const Characterization& result) {
-  return fmt::format(
-      "{:.0f} s at rest, a sample every {:.4g} s. White and flicker noise of each axis at their "
-      "greatest likelihood through the node's own filter, at ticks of {:.4g} s.",
-      result.rest_s, static_cast<double>(result.sample_period.ns()) * 1e-9,
-      static_cast<double>(result.tick.ns()) * 1e-9);
+  std::string doubt = recording::doubt_of_rows(result.findings);
+  if (!doubt.empty()) doubt = fmt::format("Doubt: {}. ", doubt);
+  return doubt + fmt::format(
+                     "{:.0f} s at rest, a sample every {:.4g} s. White and flicker noise of each "
+                     "axis at their "
+                     "greatest likelihood through the node's own filter, at ticks of {:.4g} s.",
+                     result.rest_s, static_cast<double>(result.sample_period.ns()) * 1e-9,
+                     static_cast<double>(result.tick.ns()) * 1e-9);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "host_tools/lib/identify/density.hpp"
 #include "host_tools/lib/identify/whittle.hpp"
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
 
 namespace zerorate::identify {
@@ -75,6 +76,8 @@ std::vector<StartValues> start_values(const InnovationsLikelihood& likelihood,
   const bool is_likely = minus_two_log(likelihood, whittle, shortest_s) <=
                          minus_two_log(likelihood, rough, shortest_s);
   std::vector<StartValues> starts{is_likely ? whittle : rough};
+  // Many short stretches may have a second maximum, without white noise.
+  if (2 * even.rate_rad_s.size() < ticks.size()) starts.push_back(is_likely ? rough : whittle);
   if (!order) starts.push_back(whittle_start(even, rough, std::nullopt));
   return starts;
 }
@@ -259,13 +262,28 @@ core::Duration identification_tick(const RestSamples& samples) {
   return identification_tick(samples.span(), std::max(samples.sample_period, samples.mean_period));
 }
 
-Characterization characterize(const RestSamples& samples, const CharacterizeOptions& options) {
+RestSamples without_outliers(const RestSamples& samples) {
+  constexpr double kMostOutliers = 0.05;  // more are the noise of this sensor, or none of a gyro
+  const std::vector<std::size_t> outliers = find_outliers(samples);
+  const auto most = kMostOutliers * static_cast<double>(samples.time.size());
+  if (static_cast<double>(outliers.size()) > most) {
+    throw recording::DataError(fmt::format(
+        "{} of {} samples at rest lie 20 standard deviations from those around them: they are no "
+        "noise of a gyro. 'zerorate diagnose' shows where",
+        outliers.size(), samples.time.size()));
+  }
+  return without(samples, outliers);
+}
+
+Characterization characterize(const RestSamples& all, const CharacterizeOptions& options) {
+  const RestSamples samples = without_outliers(all);
   const auto [tick, ticks] = Ticks(samples, options);
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,
                           .rows_moving = samples.moving,
                           .rows_lost = samples.lost,
                           .rows_wild = samples.wild,
+                          .rows_outlying = samples.outliers,
                           .findings = samples.findings,
                           .sample_period = samples.mean_period,
                           .tick = tick};

@@ -58,6 +58,7 @@ struct Characterization {
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
   std::uint64_t rows_wild = 0;
+  std::uint64_t rows_outlying = 0;  ///< rows of RestSamples::outliers
   recording::Findings findings;
   std::vector<std::string> doubts{};  ///< doubts of require_rest(), set by the caller
   core::Duration sample_period;       ///< the mean, see RestSamples
@@ -125,12 +126,15 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
 [[nodiscard]] model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,
                                           const std::string& recording, const std::string& axis);
 
-/// Identifies each axis by the innovations likelihood, from the Whittle fit of its longest stretch
-/// without holes. The white noise is that of tick means on purpose: at the raw rate it contains the
-/// sensor's low-pass and quantization, which are averaged out at the tick.
+/// Samples without find_outliers(). Throws recording::DataError where they are more than 5 %.
+[[nodiscard]] RestSamples without_outliers(const RestSamples& samples);
+
+/// Identifies each axis, outliers left out, by the innovations likelihood, from the Whittle fit of
+/// its longest stretch without holes. The white noise is that of tick means on purpose: at the raw
+/// rate it contains the sensor's low-pass and quantization, which are averaged out at the tick.
 /// Time about 1 s an axis for 10^6 samples. Throws recording::DataError for records that are too
 /// short or constant.
-[[nodiscard]] Characterization characterize(const RestSamples& samples,
+[[nodiscard]] Characterization characterize(const RestSamples& all,
                                             const CharacterizeOptions& options);
 
 /// The axis whose flicker noise at 0.01 Hz is the middle one (the higher of two): where one model

@@ -13,6 +13,7 @@
 #include "core/monitor/odometer_check.hpp"
 #include "core/standstill/calm_judge.hpp"
 #include "host_tools/lib/identify/frozen_axes.hpp"
+#include "host_tools/lib/identify/sensors_in_turn.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -179,10 +180,15 @@ std::vector<RestDoubt> RestCheck::doubts() {
 std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
   RestCheck check{samples.axis_count, samples.sample_period, samples.mean_period,
                   samples.moving > 0};
+  const std::vector<std::size_t> outliers = find_outliers(samples);
   for (std::size_t i = 0; i < samples.time.size(); ++i) {
-    check.add(samples.time[i], samples.rate_rad_s[i]);
+    if (!std::ranges::binary_search(outliers, i)) check.add(samples.time[i], samples.rate_rad_s[i]);
   }
   std::vector<RestDoubt> doubts = check.doubts();
+  std::string period = recording::doubt_of_period(samples.mean_period.ns());
+  if (!samples.is_timed_by_rows && !period.empty())
+    doubts.insert(doubts.begin(), {std::move(period)});
+  if (auto turns = sensors_in_turn(samples)) doubts.insert(doubts.begin(), {std::move(*turns)});
   if (const auto frozen = frozen_axis(samples)) doubts.insert(doubts.begin(), {*frozen});
   return doubts;
 }

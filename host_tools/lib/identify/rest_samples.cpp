@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/lib/identify/lost_samples.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -30,6 +31,10 @@ class RestFilter {
       pulses = pulses_in(row);
       take_pulses(pulses, at);
     }
+    if (is_after_break(row, at)) {
+      driven_ = true;
+      paused_ = paused_ + (at - row_before_);
+    }
     row_before_ = at;
     if (!is_usable(row, at)) {
       ++samples_.lost;
@@ -40,6 +45,8 @@ class RestFilter {
     } else {
       if (driven_ && !samples_.time.empty()) samples_.after_drives.push_back(samples_.time.size());
       driven_ = false;
+      if (!samples_.time.empty()) samples_.paused = samples_.paused + paused_;
+      paused_ = {};
       samples_.time.push_back(at);
       samples_.rate_rad_s.push_back(row.rate_rad_s);
       if (columns_.temperature) samples_.temperature_degc.push_back(row.temperature_degc);
@@ -54,6 +61,13 @@ class RestFilter {
     }
   }
   [[nodiscard]] bool has_motion_column() const { return columns_.odometer || columns_.still; }
+
+  /// Whether the clock stepped or a long pause came before the row: what it shows begins anew.
+  [[nodiscard]] bool is_after_break(const recording::Row& row, core::Instant at) const {
+    constexpr core::Duration kLongPause = core::Duration::seconds(30);
+    return row.findings.has(recording::Finding::clock_step) ||
+           (row.findings.has(recording::Finding::gap) && at - row_before_ > kLongPause);
+  }
 
   /// None at rest; a single one may be a creeping vehicle's, which the word of a column is not.
   std::int64_t pulses_in(const recording::Row& row) {
@@ -94,6 +108,7 @@ class RestFilter {
   RestSamples& samples_;
   core::Instant row_before_;
   std::int64_t pulses_ = 0;  ///< pulses of the row before
+  core::Duration paused_;    ///< since the newest sample at rest
   bool driven_ = false;      ///< since the newest sample at rest
 };
 
@@ -156,10 +171,59 @@ void leave_out_wild_start(RestSamples& samples) {
 
 }  // namespace
 
+RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& indices) {
+  RestSamples rest = samples;
+  if (indices.empty()) return rest;
+  const auto is_left_out = [&](std::size_t k) { return std::ranges::binary_search(indices, k); };
+  const auto leave_out = [&](auto& values) {
+    if (values.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (!is_left_out(k)) values[kept++] = values[k];
+    }
+    values.resize(kept);
+  };
+  leave_out(rest.time);
+  leave_out(rest.rate_rad_s);
+  leave_out(rest.temperature_degc);
+  leave_out(rest.acceleration_m_s2);
+  for (std::size_t& k : rest.after_drives) {
+    k -= static_cast<std::size_t>(std::ranges::lower_bound(indices, k) - indices.begin());
+  }
+  std::erase_if(rest.after_drives, [&](std::size_t k) { return k >= rest.time.size(); });
+  rest.outliers += indices.size();
+  return rest;
+}
+
+namespace {
+
+/// The period of a sensor some of whose samples are lost is shorter than the mean interval of the
+/// others.
+void find_lost_samples(RestSamples& samples) {
+  constexpr double kNoticed = 0.03;
+  constexpr double kUncertain = 0.1;  // 5 % of N
+  if (samples.is_timed_by_rows) return;
+  const std::uint64_t spread = samples.findings.count(recording::Finding::time_spread);
+  const LostShare lost = lost_share(samples.time, 2 * spread > samples.rows);
+  if (lost.by_unevenness - lost.certain() > kUncertain) {
+    throw recording::DataError(fmt::format(
+        "the samples come as unevenly as if {:.0f} % of them were lost, and their stamps do not "
+        "show which: N is not known. --rows-at HZ gives the rate of the sensor",
+        100.0 * lost.by_unevenness));
+  }
+  if (lost.certain() < kNoticed) return;
+  const auto mean_ns = static_cast<double>(lost.mean_interval.ns());
+  const auto period = core::Duration::nanoseconds(std::llround(mean_ns * (1.0 - lost.certain())));
+  samples.mean_period = std::min(samples.mean_period, period);
+}
+
+}  // namespace
+
 RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& options) {
   constexpr std::uint64_t kProgressRows = 4096;
   RestSamples samples;
   samples.axis_count = reader.columns().axis_count;
+  samples.is_timed_by_rows = reader.columns().is_timed_by_rows;
   RestFilter filter{reader.columns(), options.standstill, samples};
   for (recording::Row row; reader.next(row);) {
     filter.take(row);
@@ -174,6 +238,11 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   if (samples.time.size() < 2) {
     throw recording::DataError("the recording has fewer than two usable samples at rest");
   }
+  if (const std::uint64_t used = samples.rows - samples.lost; 2 * used < samples.rows) {
+    throw recording::DataError(fmt::format(
+        "{} of {} rows have no rate on all axes: too few are left", samples.lost, samples.rows));
+  }
+  find_lost_samples(samples);
   return samples;
 }
 

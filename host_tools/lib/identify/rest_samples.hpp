@@ -24,7 +24,8 @@ using TickMean = core::TickMean<recording::kMaxAxes>;
 /// Samples that a node would learn from.
 struct RestSamples {
   std::size_t axis_count = recording::kMaxAxes;
-  core::Duration sample_period;  ///< the median interval
+  bool is_timed_by_rows = false;  ///< the user gave the rate of the rows
+  core::Duration sample_period;   ///< the median interval
   /// The mean interval, holes left out (recording::Findings::mean_interval_ns): the period of
   /// N^2 = r T, also where samples come in bursts.
   core::Duration mean_period;
@@ -34,19 +35,23 @@ struct RestSamples {
   /// Specific force, one per time, NaN where lost; empty without the columns.
   std::vector<std::array<float, recording::kMaxAxes>> acceleration_m_s2;
 
-  /// The samples, by index, between which and the one before the vehicle moved; ascending.
+  /// The samples, by index, between which and the one before the vehicle moved, the clock stepped
+  /// or nothing was recorded for long; ascending.
   std::vector<std::size_t> after_drives;
 
   /// Values near zero in rows with motion, of each axis.
   std::array<LevelsNearZero, recording::kMaxAxes> levels_on_the_move;
 
-  std::uint64_t rows = 0;    ///< rows of the recording
-  std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
-  std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance
-  std::uint64_t wild = 0;    ///< rows left out because the gyro did not measure after power-on
+  core::Duration paused;       ///< clock steps and long pauses between samples, together
+  std::uint64_t rows = 0;      ///< rows of the recording
+  std::uint64_t moving = 0;    ///< rows left out because the vehicle moved or was about to
+  std::uint64_t lost = 0;      ///< rows left out because a rate is missing or time does not advance
+  std::uint64_t wild = 0;      ///< rows left out because the gyro did not measure after power-on
+  std::uint64_t outliers = 0;  ///< rows left out by without()
   recording::Findings findings;
 
-  [[nodiscard]] core::Duration span() const { return time.back() - time.front(); }
+  /// Time from the first sample to the last, without the pauses.
+  [[nodiscard]] core::Duration span() const { return time.back() - time.front() - paused; }
   /// Name of an axis: "x", or "rate" where there is only one.
   [[nodiscard]] std::string axis_name(std::size_t axis) const {
     return axis_count == 1 ? "rate" : std::string(1, "xyz"[axis]);
@@ -62,9 +67,19 @@ struct RestOptions {
 /// Reads a recording to its end. Motion comes from its odometer or still column, with the
 /// settle time and hold-back of the node; without such a column the sensor was at rest all the
 /// time. Memory: 20 bytes a row at rest, 4 more with a temperature, 12 with an acceleration.
-/// Throws recording::Error; recording::DataError with fewer than two samples at rest.
+/// Throws recording::Error; recording::DataError with fewer than two samples at rest, and where
+/// more than half of the rows cannot be used.
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});
+
+/// Samples, by index, that stand alone or in runs of up to five, 20 standard deviations of the
+/// white noise around them away: no noise of a gyro. Ascending.
+[[nodiscard]] std::vector<std::size_t> find_outliers(const RestSamples& samples);
+
+/// The samples without some of them, which are counted as outliers.
+/// @param indices  ascending
+[[nodiscard]] RestSamples without(const RestSamples& samples,
+                                  const std::vector<std::size_t>& indices);
 
 /// Means over ticks by the node's own front end. Ticks without samples are absent: gaps and drives
 /// are the jumps of TickMean::tick.

@@ -52,18 +52,18 @@ Sameness test_sameness(std::span<const AxisTicks> recordings, std::optional<doub
 
 void compare_recordings(const RestSamples& samples, std::span<const RestSamples> further,
                         const CharacterizeOptions& options, Characterization& result) {
-  std::vector<const RestSamples*> all{&samples};
-  for (const RestSamples& one : further) all.push_back(&one);
+  std::vector<RestSamples> all{without_outliers(samples)};
+  for (const RestSamples& one : further) all.push_back(without_outliers(one));
   std::vector<std::vector<TickMean>> means;
   std::vector<core::Duration> ticks;
-  for (const RestSamples* one : all) {
-    ticks.push_back(identification_tick(*one));
-    means.push_back(average_ticks(*one, ticks.back()));
+  for (const RestSamples& one : all) {
+    ticks.push_back(identification_tick(one));
+    means.push_back(average_ticks(one, ticks.back()));
   }
   for (const std::size_t axis : options.axes) {
     std::vector<AxisTicks> recordings;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      recordings.push_back({means[i], all[i]->mean_period, ticks[i], axis});
+      recordings.push_back({means[i], all[i].mean_period, ticks[i], axis});
     }
     Sameness sameness = test_sameness(recordings, options.order);
     sameness.axis = samples.axis_name(axis);

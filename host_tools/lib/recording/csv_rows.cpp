@@ -31,24 +31,52 @@ std::vector<std::string> CsvRows::ignored_columns() const {
 }
 
 bool CsvRows::next_line(std::string_view& line) {
-  if (rows_ > 0 || header_.first_row.empty()) return lines_.next(line);
+  if (!std::exchange(is_first_line_, false) || header_.first_row.empty()) return lines_.next(line);
   line = header_.first_row;
   return true;
 }
 
 bool CsvRows::next(Row& row) {
-  std::string_view line;
-  if (!next_line(line) || line.empty()) {
-    expect_no_more_rows();
-    return false;
+  while (true) {
+    std::string_view line;
+    if (!next_line(line) || line.empty()) {
+      expect_no_more_rows();
+      return false;
+    }
+    if (line == header_.line && header_.first_row.empty()) continue;  // a logger that began again
+    if (rows_ == 0 && is_row_of_units(line)) continue;
+    if (is_damaged_end(line)) return false;
+    Row parsed;
+    if (!parse(line, parsed)) continue;
+    if (!lines_.is_terminated()) parsed.findings.add(Finding::line_unterminated);
+    ++rows_;
+    row = parsed;
+    return true;
   }
-  Row parsed;
-  parse(line, parsed);
-  if (!lines_.is_terminated()) {
-    parsed.findings.add(Finding::line_unterminated);
+}
+
+/// A row below the names that has units instead of numbers.
+bool CsvRows::is_row_of_units(std::string_view line) const {
+  Fields fields{line, header_.delimiter};
+  for (const Column& column : header_.layout) {
+    if (!fields.next()) return false;
+    if (column.meaning != Meaning::time) continue;
+    std::string_view text = fields.text();
+    if (text.size() > 2 && (text.front() == '(' || text.front() == '['))
+      text = text.substr(1, text.size() - 2);
+    return parse_unit(Dimension::time, text).has_value();
   }
-  ++rows_;
-  row = parsed;
+  return false;
+}
+
+/// A last line that was cut off, or bytes that were never written: what is whole before it counts.
+bool CsvRows::is_damaged_end(std::string_view line) {
+  if (lines_.is_terminated() || rows_ == 0) return false;
+  std::size_t fields = 0;
+  for (Fields each{line, header_.delimiter}; each.next();) ++fields;
+  if (fields >= header_.layout.size() && line.find('\0') == std::string_view::npos) return false;
+  left_out_.damaged = 1;
+  left_out_.damaged_line = lines_.line();
   return true;
 }
 
@@ -69,23 +97,28 @@ void CsvRows::expect_no_more_rows() {
   }
 }
 
-void CsvRows::parse(std::string_view line, Row& row) {
+bool CsvRows::parse(std::string_view line, Row& row) {
   Fields fields{line, header_.delimiter};
   for (const Column& column : header_.layout) {
     if (!fields.next()) {
       throw bad_field_count(line);
     }
+    if (column.wanted && fields.text() != *column.wanted) return false;
     parse_field(column, fields, row);
   }
   if (fields.next()) {
     throw bad_field_count(line);
   }
+  return true;
 }
 
 void CsvRows::parse_field(const Column& column, const Fields& fields, Row& row) {
   switch (column.meaning) {
     case Meaning::time:
-      row.time_ns = parse_time(column, fields);
+      row.time_ns += parse_time(column, fields);
+      break;
+    case Meaning::nanoseconds:
+      row.time_ns += parse_nanoseconds(column, fields);
       break;
     case Meaning::rate:
       row.rate_rad_s[column.axis] = parse_measured(column, fields);
@@ -133,6 +166,15 @@ std::int64_t CsvRows::parse_time(const Column& column, const Fields& fields) {
                     "unit is named by --columns t=NAME --units time=ns.");
   }
   return time->value;
+}
+
+std::int64_t CsvRows::parse_nanoseconds(const Column& column, const Fields& fields) const {
+  const auto part = parse_fixed_point(fields.text(), 0);
+  if (!part || !part->exact || part->value < 0 || part->value >= 1'000'000'000) {
+    throw bad_field(column, fields, "nanoseconds of a second, 0 to 999999999",
+                    "The seconds stand in the column of t.");
+  }
+  return part->value;
 }
 
 std::int64_t CsvRows::parse_count(const Column& column, const Fields& fields) const {

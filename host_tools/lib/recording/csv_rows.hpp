@@ -31,13 +31,18 @@ class CsvRows : public RowSource {
     return lines_.fraction_read();
   }
   [[nodiscard]] std::vector<std::string> ignored_columns() const override;
+  [[nodiscard]] LeftOut left_out() const override { return left_out_; }
 
  private:
   [[nodiscard]] bool next_line(std::string_view& line);
-  void parse(std::string_view line, Row& row);
+  /// False where the row is not of this recording (Layout::where).
+  [[nodiscard]] bool parse(std::string_view line, Row& row);
+  [[nodiscard]] bool is_row_of_units(std::string_view line) const;
+  [[nodiscard]] bool is_damaged_end(std::string_view line);
   void parse_field(const Column& column, const Fields& fields, Row& row);
   void expect_no_more_rows();
   [[nodiscard]] std::int64_t parse_time(const Column& column, const Fields& fields);
+  [[nodiscard]] std::int64_t parse_nanoseconds(const Column& column, const Fields& fields) const;
   [[nodiscard]] std::int64_t parse_count(const Column& column, const Fields& fields) const;
   [[nodiscard]] bool parse_still(const Column& column, const Fields& fields) const;
   /// The measured value in SI units.
@@ -53,6 +58,8 @@ class CsvRows : public RowSource {
   bool decimal_comma_;
   std::string scratch_;
   std::uint64_t rows_ = 0;
+  bool is_first_line_ = true;
+  LeftOut left_out_;
 };
 
 }  // namespace zerorate::recording

@@ -8,7 +8,9 @@
 #include <numbers>
 
 #include "core/base/units.hpp"
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/row.hpp"
+#include "host_tools/lib/recording/row_source.hpp"
 
 namespace zerorate::recording {
 namespace {
@@ -51,16 +53,26 @@ std::string_view description(Finding finding) {
       return "temperature is empty, nan or infinite";
     case Finding::acceleration_lost:
       return "acceleration is empty, nan or infinite";
-    case Finding::time_backwards:
-      return "time runs backwards";
-    case Finding::time_duplicate:
-      return "time stamp occurs twice";
+    case Finding::time_stray:
+      return "time stamp far from those around it, left out";
+    case Finding::row_repeated:
+      return "the row before once more, left out";
+    case Finding::clock_step:
+      return "time runs backwards (clock set, or a new recording): goes on after a pause";
+    case Finding::counter_wrapped:
+      return "counter of the time began again: counted on";
+    case Finding::time_sorted:
+      return "out of order, put where the time stamp belongs";
+    case Finding::time_spread:
+      return "time stamp shared by several samples, spread evenly";
     case Finding::gap:
       return "gap of more than 10 median periods";
     case Finding::odometer_backwards:
       return "odometer count runs backwards";
     case Finding::line_unterminated:
       return "last line has no line end (file cut off?)";
+    case Finding::line_damaged:
+      return "the end of the file is damaged, left out";
     case Finding::reference_missing:
       return "heading, rate or speed of the reference is empty, nan or infinite";
     case Finding::motion_unknown:
@@ -155,14 +167,7 @@ std::string doubt_of_acceleration(const Findings& findings) {
 }
 
 void Findings::examine_time(Row& row, std::uint64_t line) {
-  if (row.time_ns < latest_time_ns_) {
-    row.findings.add(Finding::time_backwards);
-    return;
-  }
-  if (row.time_ns == latest_time_ns_) {
-    row.findings.add(Finding::time_duplicate);
-    return;
-  }
+  if (row.time_ns <= latest_time_ns_) return;
   const std::int64_t interval_ns = interval(latest_time_ns_, row.time_ns);
   const std::int64_t median_ns = median_.value_ns();
   const bool is_gap = median_ns > 0 && (interval_ns - 1) / kGapPeriods >= median_ns;
@@ -179,6 +184,56 @@ void Findings::examine_time(Row& row, std::uint64_t line) {
   }
   median_.add(interval_ns);
   latest_time_ns_ = row.time_ns;
+}
+
+void Findings::add_left_out(const LeftOut& left_out) {
+  const auto set = [&](Finding finding, std::uint64_t rows, std::uint64_t line) {
+    counts_[static_cast<std::size_t>(finding)] = rows;
+    first_lines_[static_cast<std::size_t>(finding)] = line;
+  };
+  set(Finding::time_stray, left_out.stray, left_out.first_stray_line);
+  set(Finding::line_damaged, left_out.damaged, left_out.damaged_line);
+  set(Finding::row_repeated, left_out.repeated, left_out.first_repeated_line);
+}
+
+std::string doubt_of_rows(const Findings& findings) {
+  constexpr double kUnused = 0.01;
+  constexpr double kRepaired = 0.05;
+  const auto rows = static_cast<double>(findings.rows() + findings.left_out());
+  const auto share = [&](std::uint64_t count) { return static_cast<double>(count) / rows; };
+  const double unused = share(findings.left_out() + findings.count(Finding::rate_lost));
+  const double repaired =
+      share(findings.count(Finding::time_sorted) + findings.count(Finding::time_spread));
+  std::string doubt;
+  if (unused > kUnused) doubt = fmt::format("{:.2g} % of the rows were not used", 100.0 * unused);
+  if (repaired > kRepaired) {
+    doubt += fmt::format("{}the time stamps of {:.2g} % of the rows were repaired",
+                         doubt.empty() ? "" : ", and ", 100.0 * repaired);
+  }
+  return doubt;
+}
+
+std::string doubt_of_period(std::int64_t period_ns) {
+  constexpr std::int64_t kShortest_ns =
+      20'000;  // the fastest MEMS gyros give 32,000 samples a second
+  constexpr std::int64_t kLongest_ns = 2'000'000'000;
+  if (period_ns >= kShortest_ns && period_ns <= kLongest_ns) return "";
+  const double period_s = static_cast<double>(period_ns) * 1e-9;
+  return fmt::format(
+      "a sample every {:.3g} s, and gyros are recorded at {}: {}? --units time=... names another "
+      "unit; --rows-at {:.4g} keeps this one",
+      period_s, period_ns < kShortest_ns ? "32 kHz at most" : "0.5 Hz at least",
+      period_ns < kShortest_ns ? "milliseconds named microseconds, or seconds named milliseconds"
+                               : "milliseconds named seconds",
+      1.0 / period_s);
+}
+
+void require_most_rows(const Findings& findings) {
+  if (findings.left_out() <= findings.rows()) return;
+  throw DataError(fmt::format(
+      "{} of {} rows have no usable time stamp or repeat the row before: too few are left. "
+      "--rows-at HZ reads a recording without its stamps",
+      findings.left_out(), findings.rows() + findings.left_out()));
 }
 
 void Findings::count(const FindingSet& set, std::uint64_t line) {

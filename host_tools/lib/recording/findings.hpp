@@ -1,5 +1,5 @@
 /// @file
-/// Oddities of a readable recording: flagged row by row and counted, never mended.
+/// Oddities of a readable recording: flagged row by row and counted.
 #pragma once
 
 #include <array>
@@ -14,22 +14,28 @@ namespace zerorate::recording {
 
 struct Row;
 struct Columns;
+struct LeftOut;
 
 /// One kind of oddity of a row.
 enum class Finding : std::uint8_t {
-  rate_lost,           ///< a rate is empty, nan or infinite: the sample cannot be used
-  rate_implausible,    ///< a rate beyond 4000 deg/s, the widest range sold: raw counts, wrong unit?
-  temperature_lost,    ///< the temperature is empty, nan or infinite
-  acceleration_lost,   ///< an acceleration is empty, nan or infinite
-  time_backwards,      ///< the time is before that of an earlier row
-  time_duplicate,      ///< the time equals the latest time so far
-  gap,                 ///< more than kGapPeriods median periods since the latest time so far
+  rate_lost,          ///< a rate is empty, nan or infinite: the sample cannot be used
+  rate_implausible,   ///< a rate beyond 4000 deg/s, the widest range sold: raw counts, wrong unit?
+  temperature_lost,   ///< the temperature is empty, nan or infinite
+  acceleration_lost,  ///< an acceleration is empty, nan or infinite
+  time_stray,         ///< a stamp far from those of its neighbours; the row is left out
+  row_repeated,       ///< a copy of the row before; the row is left out
+  clock_step,       ///< the clock was set back or began again: the time line goes on after a pause
+  counter_wrapped,  ///< the counter of the clock began again: it is counted on
+  time_sorted,      ///< the row was out of order, and stands where its stamp belongs
+  time_spread,      ///< several rows shared a stamp: its time is that of even samples
+  gap,              ///< more than kGapPeriods median periods since the latest time so far
   odometer_backwards,  ///< the pulse count is below that of the row before
   line_unterminated,   ///< the last line does not end in a newline: the file may have been cut
   reference_missing,   ///< heading, rate or speed of the reference is empty, nan or infinite
+  line_damaged,        ///< the last line is not whole; it is left out
   motion_unknown,      ///< no word of the speed for too long: the vehicle counts as moving
 };
-inline constexpr std::size_t kFindingCount = 11;
+inline constexpr std::size_t kFindingCount = 16;
 
 /// A gap is an interval longer than this many median intervals.
 inline constexpr std::int64_t kGapPeriods = 10;
@@ -85,7 +91,15 @@ class Findings {
   /// Looks at the next row of the file, adds what it finds to row.findings and counts all of them.
   void examine(Row& row, const Columns& columns, std::uint64_t line);
 
+  /// Counts rows that were read and not given, once, at the end.
+  void add_left_out(const LeftOut& left_out);
+
+  /// Rows that were given.
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
+  /// Rows that were read and not given.
+  [[nodiscard]] std::uint64_t left_out() const {
+    return count(Finding::time_stray) + count(Finding::row_repeated);
+  }
   [[nodiscard]] std::uint64_t count(Finding finding) const {
     return counts_[static_cast<std::size_t>(finding)];
   }
@@ -128,5 +142,16 @@ class Findings {
 /// Sentence about accelerations whose mean size is not that of gravity, with the figure and the
 /// likely reason, such as "g taken for m/s2?"; empty where it is, or where there are none.
 [[nodiscard]] std::string doubt_of_acceleration(const Findings& findings);
+
+/// Sentence for the first line of a result, where more than 1 % of the rows cannot be used or the
+/// stamps of more than 5 % were repaired; else empty.
+[[nodiscard]] std::string doubt_of_rows(const Findings& findings);
+
+/// Sentence about a mean interval that no gyro has, from which other unit of the stamps would
+/// serve, and what keeps it; empty from 20 us to 2 s.
+[[nodiscard]] std::string doubt_of_period(std::int64_t period_ns);
+
+/// Throws DataError where more than half of the rows were left out.
+void require_most_rows(const Findings& findings);
 
 }  // namespace zerorate::recording

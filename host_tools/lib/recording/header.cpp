@@ -205,6 +205,31 @@ bool has_accelerations(const LineReader& lines, const NamedColumns& columns) {
   return find_axes(lines, columns, Meaning::acceleration, kWords) != nullptr;
 }
 
+/// A single axis of three that is there alone makes a recording of one axis.
+void take_single_axis(NamedColumns& columns) {
+  NamedColumn* only = nullptr;
+  for (NamedColumn& column : columns) {
+    if (column.quantity == nullptr || column.quantity->meaning != Meaning::rate) continue;
+    if (only != nullptr) return;
+    only = &column;
+  }
+  if (only != nullptr) only->quantity = find_quantity("rate");
+}
+
+/// Texts that the user wants in columns.
+void take_wanted(const LineReader& lines, const Layout& layout, Header& header) {
+  for (const auto& [name, text] : layout.where) {
+    const auto found = std::ranges::find_if(header.layout, [&](const Column& column) {
+      return column.name == name || name == fmt::format("#{}", &column - header.layout.data() + 1);
+    });
+    if (found == header.layout.end()) {
+      throw Error{lines.place(), "no column " + excerpt(name), "the column named in --where",
+                  "Names count as they stand in the header; #3 is the third column."};
+    }
+    found->wanted = text;
+  }
+}
+
 /// Accelerations count together only: where the names of a file give not all three, and its user
 /// names none, their columns are not needed.
 void leave_out_partial_accelerations(NamedColumns& columns, const Layout& layout) {
@@ -316,9 +341,12 @@ Columns columns_of(const LineReader& lines, const NamedColumns& named, Needs nee
 }  // namespace
 
 Header read_header(LineReader& lines, const Layout& layout, Needs needs) {
+  std::string_view skipped;
+  for (std::size_t k = 0; k < layout.skipped_lines && lines.next(skipped); ++k) {
+  }
   const std::string_view line = find_header_line(lines);
   refuse_binary(lines, line);
-  Header header;
+  Header header{.line = std::string(line)};
   header.delimiter = layout.delimiter != '\0' ? layout.delimiter : delimiter_in(line);
   NamedColumns named = split(line, header.delimiter);
   if (holds_numbers(named)) {
@@ -337,13 +365,15 @@ Header read_header(LineReader& lines, const Layout& layout, Needs needs) {
   }
   naming.check(named);
   leave_out_partial_accelerations(named, layout);
+  if (needs == Needs::rates) take_single_axis(named);
   header.columns = columns_of(lines, named, needs);
   for (const NamedColumn& column : named) {
     const Quantity ignored;
     const Quantity& quantity = column.quantity != nullptr ? *column.quantity : ignored;
     header.layout.push_back(
-        {column.name, quantity.meaning, quantity.axis, column.unit.value_or(Unit{})});
+        {column.name, quantity.meaning, quantity.axis, column.unit.value_or(Unit{}), std::nullopt});
   }
+  take_wanted(lines, layout, header);
   return header;
 }
 

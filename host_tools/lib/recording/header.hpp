@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@ struct Column {
   Meaning meaning = Meaning::ignored;
   std::size_t axis = 0;  ///< index in Row::rate_rad_s or Row::acceleration_m_s2
   Unit unit;
+  std::optional<std::string> wanted;  ///< text of the rows that are read; nullopt: any
 };
 
 /// The header of a recording.
@@ -27,6 +29,7 @@ struct Header {
   std::vector<Column> layout;  ///< all columns, in the order of the file
   Columns columns;
   char delimiter = ',';
+  std::string line;       ///< header line; a logger that began again wrote it once more
   std::string first_row;  ///< the line that was read, where it holds numbers instead of names
 };
 

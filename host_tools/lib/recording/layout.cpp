@@ -18,6 +18,7 @@ constexpr double kGravity_m_s2 = 9.80665;  // 3rd CGPM, 1901
 
 constexpr std::array kQuantities = {
     Quantity{"t", Meaning::time, Dimension::time},
+    Quantity{"t_ns", Meaning::nanoseconds},
     Quantity{"gx", Meaning::rate, Dimension::rate, 0, 3},
     Quantity{"gy", Meaning::rate, Dimension::rate, 1, 3},
     Quantity{"gz", Meaning::rate, Dimension::rate, 2, 3},
@@ -156,6 +157,11 @@ void Layout::set_columns(std::string_view text) {
       throw std::invalid_argument(fmt::format("{} is given twice", key));
     }
   });
+}
+
+void Layout::set_where(std::string_view text) {
+  for_each_pair(
+      text, [&](std::string_view column, std::string_view value) { where.emplace(column, value); });
 }
 
 void Layout::set_units(std::string_view text) {

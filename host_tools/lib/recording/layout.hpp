@@ -16,6 +16,7 @@ namespace zerorate::recording {
 /// Meaning of a column of the file.
 enum class Meaning : std::uint8_t {
   time,
+  nanoseconds,
   rate,
   temperature,
   acceleration,
@@ -70,9 +71,15 @@ struct Layout {
   /// header.
   std::map<std::string_view, std::string> columns;
   std::map<Dimension, Unit> units;  ///< units of columns whose names give none
+  /// Text that a column must have, by its name or "#3": other rows are not of this recording.
+  std::map<std::string, std::string> where;
+  std::size_t skipped_lines = 0;     ///< lines before the header
+  std::optional<double> rows_at_hz;  ///< rate of the rows, where the stamps do not count
 
   /// Takes "t=stamp,gx=wx" as typed. Throws std::invalid_argument.
   void set_columns(std::string_view text);
+  /// Takes "id=0,topic=imu" as typed. Throws std::invalid_argument.
+  void set_where(std::string_view text);
   /// Takes "time=ns,rate=radps" as typed. Throws std::invalid_argument.
   void set_units(std::string_view text);
   /// Takes ",", ";", "tab" or "space" as typed. Throws std::invalid_argument.

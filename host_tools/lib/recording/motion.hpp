@@ -36,12 +36,9 @@ class WithMotion : public RowSource {
   [[nodiscard]] std::vector<std::string> ignored_columns() const override {
     return rates_->ignored_columns();
   }
+  [[nodiscard]] LeftOut left_out() const override { return rates_->left_out(); }
 
  private:
-  struct NumberedRow {
-    Row row;
-    std::uint64_t line = 0;
-  };
   /// A statement of the odometer on one moment.
   struct Word {
     std::int64_t at_ns = 0;

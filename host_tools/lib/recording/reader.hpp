@@ -22,14 +22,16 @@ namespace zerorate::recording {
 ///
 /// The format is described in docs/reference/recording-format.md; Input says where a file departs
 /// from it. What cannot be understood throws Error with file, line and character; what can be
-/// understood but is odd (a lost rate, time running backwards, a gap) is delivered as it stands,
-/// flagged in Row::findings and counted.
+/// understood but is odd (a lost rate, a gap) is delivered as it stands, flagged in Row::findings
+/// and counted. Times never run backwards: OrderedRows and SpreadRows put them on one time line.
 class Reader {
  public:
   /// Opens the input and reads its header. Throws Error.
-  explicit Reader(const Input& input) : Reader(open_rows(input)) {}
+  explicit Reader(const Input& input) : rows_(open_rows(input)) {}
   /// Reads from a source that is already open.
-  explicit Reader(std::unique_ptr<RowSource> rows) : rows_(std::move(rows)) {}
+  /// @param name  of the recording, for messages
+  Reader(std::unique_ptr<RowSource> rows, const std::string& name)
+      : rows_(on_one_time_line(std::move(rows), name)) {}
 
   [[nodiscard]] const Columns& columns() const { return rows_->columns(); }
   /// Names of the columns that are not read, in the order of the file.
@@ -38,9 +40,14 @@ class Reader {
   }
 
   /// Reads the next row; false at the end of the file, with `row` as it was. Throws Error, also at
-  /// the end of a file without any row. After an Error the reader is not to be used further.
+  /// the end of a file without any row; DataError where more than half of the rows were left out.
+  /// After an Error the reader is not to be used further.
   [[nodiscard]] bool next(Row& row) {
-    if (!rows_->next(row)) return false;
+    if (!rows_->next(row)) {
+      findings_.add_left_out(rows_->left_out());
+      require_most_rows(findings_);
+      return false;
+    }
     findings_.examine(row, rows_->columns(), rows_->line());
     return true;
   }

@@ -44,7 +44,8 @@ struct Columns {
   bool ref_rate = false;
   bool ref_speed = false;
   bool speed = false;  ///< speed of the vehicle's own odometer; WithMotion makes the others of it
-  bool acceleration = false;  ///< ax, ay and az
+  bool acceleration = false;      ///< ax, ay and az
+  bool is_timed_by_rows = false;  ///< the user gave the rate of the rows, stamps do not count
 
   bool operator==(const Columns&) const = default;
 };

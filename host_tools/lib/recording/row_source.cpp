@@ -1,5 +1,6 @@
 #include "host_tools/lib/recording/row_source.hpp"
 
+#include <cmath>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -8,9 +9,41 @@
 #include "host_tools/lib/recording/csv_rows.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/motion.hpp"
+#include "host_tools/lib/recording/ordered_rows.hpp"
+#include "host_tools/lib/recording/spread_rows.hpp"
 
 namespace zerorate::recording {
 namespace {
+
+/// Rows at equal intervals, whatever their stamps.
+class NumberedTimes : public RowSource {
+ public:
+  NumberedTimes(std::unique_ptr<RowSource> rows, double rate_hz)
+      : rows_(std::move(rows)), columns_(rows_->columns()), period_ns_(1e9 / rate_hz) {
+    columns_.is_timed_by_rows = true;
+  }
+
+  [[nodiscard]] const Columns& columns() const override { return columns_; }
+  [[nodiscard]] bool next(Row& row) override {
+    if (!rows_->next(row)) return false;
+    row.time_ns = std::llround(period_ns_ * static_cast<double>(count_++));
+    return true;
+  }
+  [[nodiscard]] std::uint64_t line() const override { return rows_->line(); }
+  [[nodiscard]] std::optional<double> fraction_read() const override {
+    return rows_->fraction_read();
+  }
+  [[nodiscard]] std::vector<std::string> ignored_columns() const override {
+    return rows_->ignored_columns();
+  }
+  [[nodiscard]] LeftOut left_out() const override { return rows_->left_out(); }
+
+ private:
+  std::unique_ptr<RowSource> rows_;
+  Columns columns_;
+  double period_ns_;
+  std::uint64_t count_ = 0;
+};
 
 /// The file of the gyro in a folder as EuRoC lays it out; other paths as they are.
 std::filesystem::path text_file(const std::filesystem::path& path) {
@@ -30,7 +63,10 @@ std::unique_ptr<RowSource> with_odometer_file(std::unique_ptr<RowSource> rates,
   if (!input.odometer_path.empty()) {
     return std::make_unique<WithMotion>(
         std::move(rates),
-        std::make_unique<CsvRows>(input.odometer_path, input.odometer_layout, Needs::motion), rule);
+        on_one_time_line(
+            std::make_unique<CsvRows>(input.odometer_path, input.odometer_layout, Needs::motion),
+            input.odometer_path.string()),
+        rule);
   }
   if (columns.speed && !columns.odometer && !columns.still) {
     return std::make_unique<WithMotion>(std::move(rates), nullptr, rule);
@@ -54,12 +90,14 @@ std::unique_ptr<RowSource> open_rows_of_bag(const Input& input) {
                 "Leave out --columns and --units; --topic names what is read."};
   }
   const bool has_odometry = !input.odometry_topic.empty() || !bag->topics(Needs::motion).empty();
-  auto rates = std::make_unique<BagRows>(std::move(bag), Needs::rates, input.topic);
+  auto rates = on_one_time_line(
+      std::make_unique<BagRows>(std::move(bag), Needs::rates, input.topic), input.path.string());
   if (!has_odometry || !input.odometer_path.empty())
     return with_odometer_file(std::move(rates), input);
   // Opened once more, because a chunk is unpacked again when two read at places of their own.
-  auto motion =
-      std::make_unique<BagRows>(open_bag(input.path), Needs::motion, input.odometry_topic);
+  auto motion = on_one_time_line(
+      std::make_unique<BagRows>(open_bag(input.path), Needs::motion, input.odometry_topic),
+      input.path.string());
   return std::make_unique<WithMotion>(std::move(rates), std::move(motion),
                                       input.speed.value_or(SpeedRule{}));
 }
@@ -75,10 +113,20 @@ std::unique_ptr<RowSource> open_rows_of_bag(const Input& /*input*/) {
 
 }  // namespace
 
+std::unique_ptr<RowSource> on_one_time_line(std::unique_ptr<RowSource> rows,
+                                            const std::string& name,
+                                            std::optional<double> rows_at_hz) {
+  if (rows_at_hz) return std::make_unique<NumberedTimes>(std::move(rows), *rows_at_hz);
+  auto ordered = std::make_unique<OrderedRows>(std::move(rows), name);
+  return std::make_unique<SpreadRows>(std::move(ordered), name);
+}
+
 std::unique_ptr<RowSource> open_rows(const Input& input) {
   if (auto bag = open_rows_of_bag(input)) return bag;
   return with_odometer_file(
-      std::make_unique<CsvRows>(text_file(input.path), input.layout, Needs::rates), input);
+      on_one_time_line(std::make_unique<CsvRows>(text_file(input.path), input.layout, Needs::rates),
+                       input.path.string(), input.layout.rows_at_hz),
+      input);
 }
 
 }  // namespace zerorate::recording

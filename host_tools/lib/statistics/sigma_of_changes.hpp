@@ -13,16 +13,21 @@
 
 namespace zerorate::statistics {
 
+/// Standard deviation of normal white noise by the sizes of changes between neighbours.
+[[nodiscard]] inline double sigma_by_median(std::vector<double> changes) {
+  constexpr double kMedianPerSigma = 0.6744897501960817;
+  return median_of(std::move(changes)) / (kMedianPerSigma * std::numbers::sqrt2);
+}
+
 /// Standard deviation of normal white noise by the median change, which a minority of moving or
 /// wild values leaves as it is. At least two values.
 [[nodiscard]] inline double sigma_of_changes(std::span<const double> values) {
-  constexpr double kMedianPerSigma = 0.6744897501960817;
   std::vector<double> changes;
   changes.reserve(values.size());
   for (std::size_t k = 1; k < values.size(); ++k) {
     changes.push_back(std::abs(values[k] - values[k - 1]));
   }
-  return median_of(std::move(changes)) / (kMedianPerSigma * std::numbers::sqrt2);
+  return sigma_by_median(std::move(changes));
 }
 
 /// Values behind the start of a recording that say which values of the start are wild.

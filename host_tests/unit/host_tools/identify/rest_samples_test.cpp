@@ -58,10 +58,10 @@ TEST(RestSamplesOfAGyroThatStarts, LeaveOutWhatItDidNotMeasure) {
   EXPECT_EQ(after_start(60, "-900").wild, 0U) << "a level of its own";
 }
 
-TEST(RestSamples, LeaveOutLostRatesAndTimesThatDoNotAdvance) {
+TEST(RestSamples, LeaveOutLostRatesAndPlaceTheirStamps) {
   const RestSamples samples = read("t_s,rate_dps\n0,1\n0.1,nan\n0.2,3\n0.2,4\n0.15,5\n0.3,6\n");
-  EXPECT_EQ(samples.time.size(), 3U);
-  EXPECT_EQ(samples.lost, 3U);
+  EXPECT_EQ(samples.time.size(), 5U);
+  EXPECT_EQ(samples.lost, 1U);
   EXPECT_EQ(samples.rows, 6U);
 }
 
@@ -98,6 +98,33 @@ TEST(RestSamplesWithOdometer, MayCreepAfterASinglePulse) {
   // Nothing from 4.6 to 12.9 s.
   EXPECT_EQ(samples.time.size(), 36U + 70U);
   EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
+}
+
+// The clock is set back by an hour while the vehicle moves; the rest before it counts all the same.
+TEST(RestSamplesAroundAClockStep, KeepTheRestBeforeIt) {
+  std::string text = "t_s,rate_dps,still\n";
+  for (int k = 0; k < 300; ++k) {
+    const int tenths = 40'000 + k - (k >= 150 ? 36'000 : 0);
+    text += std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + "," +
+            std::to_string(k) + (k >= 100 && k < 200 ? ",0\n" : ",1\n");
+  }
+  const RestSamples samples = read(text);
+  // Without a second of settling at the start and after the drive, and half a second before it.
+  EXPECT_EQ(samples.time.size(), 86U + 91U);
+  EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(86U));
+}
+
+TEST(OutliersOfRestSamples, AreFoundAndLeftOut) {
+  std::string text = "t_s,rate_dps\n";
+  for (int k = 0; k < 300; ++k) {
+    const bool is_outlier = k == 40 || (k >= 200 && k < 203);
+    text += std::to_string(k) + "," + (is_outlier ? "90" : k % 2 == 0 ? "1" : "2") + "\n";
+  }
+  const RestSamples samples = read(text);
+  const auto outliers = find_outliers(samples);
+  EXPECT_THAT(outliers, ::testing::ElementsAre(40U, 200U, 201U, 202U));
+  EXPECT_EQ(without(samples, outliers).time.size(), 296U);
+  EXPECT_EQ(without(samples, outliers).outliers, 4U);
 }
 
 TEST(TickMeansOfRestSamples, AreAbsentWhereThereAreNoSamples) {

@@ -258,7 +258,7 @@ TEST_P(RecordingOfMessages, DoesNotGoBackWithAClockThatWasSetBack) {
   EXPECT_EQ(recorder.counts().set_back, 1U);
   const Content content = read(path());
   EXPECT_EQ(content.rows[300].time_ns - content.rows[299].time_ns, 2 * kSecond_ns);
-  EXPECT_EQ(content.findings.count(recording::Finding::time_backwards), 0U);
+  EXPECT_EQ(content.findings.count(recording::Finding::clock_step), 0U);
 }
 
 TEST_P(RecordingOfMessages, TouchesNoFileThatIsThereAlready) {

@@ -312,7 +312,7 @@ TEST_P(RealRecording, IsReadWholeWithoutALostOrMisplacedRow) {
   EXPECT_EQ(findings.rows(), GetParam().rows);
   for (const Finding finding :
        {Finding::rate_lost, Finding::rate_implausible, Finding::temperature_lost,
-        Finding::acceleration_lost, Finding::time_backwards, Finding::time_duplicate,
+        Finding::acceleration_lost, Finding::clock_step, Finding::time_stray, Finding::time_sorted,
         Finding::line_unterminated}) {
     EXPECT_EQ(findings.count(finding), 0) << description(finding);
   }

@@ -76,16 +76,6 @@ TEST(RawCountsNamedAsDegrees, AreFlaggedAsImplausible) {
   EXPECT_TRUE(reading.rows[1].findings.has(Finding::rate_implausible));
 }
 
-TEST(TimeRunningBackwards, IsFlaggedUntilItPassesTheLatestTime) {
-  const Reading reading = read("t_s,rate_dps\n0,1\n1,1\n2,1\n0.5,1\n2,1\n3,1\n");
-  EXPECT_TRUE(reading.rows[3].findings.has(Finding::time_backwards));
-  EXPECT_EQ(reading.rows[3].time_ns, 500'000'000) << "not mended";
-  EXPECT_TRUE(reading.rows[4].findings.has(Finding::time_duplicate));
-  EXPECT_TRUE(reading.rows[5].findings.empty());
-  EXPECT_EQ(reading.findings.count(Finding::time_backwards), 1);
-  EXPECT_EQ(reading.findings.first_line(Finding::time_duplicate), 6);
-}
-
 TEST(GapOfAnHour, IsFlaggedAndMeasured) {
   const Reading reading = read("t_s,rate_dps\n0,1\n0.01,1\n0.02,1\n3600.02,1\n3600.03,1\n");
   EXPECT_TRUE(reading.rows[3].findings.has(Finding::gap));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -36,10 +37,13 @@ TEST_P(WrittenRecording, ComesBackBitForBit) {
   const auto& [name, columns] = GetParam();
   std::mt19937_64 random{7};
   std::normal_distribution<float> normal;
+  std::vector<std::int64_t> times_ns(20'000);
+  for (std::int64_t& time_ns : times_ns) time_ns = static_cast<std::int64_t>(random() >> 2U);
+  std::ranges::sort(times_ns);
   std::vector<Row> written;
   for (int i = 0; i < 20'000; ++i) {
     const float scale = std::exp(10.0F * normal(random));
-    Row row{.time_ns = static_cast<std::int64_t>(random() >> 2U),
+    Row row{.time_ns = times_ns[static_cast<std::size_t>(i)],
             .odometer_pulses = i,
             .still = random() % 2 == 0,
             .ref_heading_rad = 7.0F * normal(random),

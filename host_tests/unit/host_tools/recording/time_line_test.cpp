@@ -1,0 +1,189 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host_tests/support/folders.hpp"
+#include "host_tools/lib/recording/reader.hpp"
+
+namespace zerorate::recording {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A recording of one axis whose rate counts its rows.
+class Stamps {
+ public:
+  void add(double time_s) { add(time_s, count_++); }
+  void add(double time_s, int rate) {
+    text_ += std::to_string(time_s) + "," + std::to_string(rate) + "\n";
+  }
+  void add_even(double from_s, double period_s, int count) {
+    for (int k = 0; k < count; ++k) add(from_s + period_s * k);
+  }
+
+  struct Reading {
+    std::vector<double> time_s;
+    std::vector<long> rates;
+    Findings findings;
+  };
+  [[nodiscard]] Reading read(const Layout& layout = {}) const {
+    const zerorate::testing::ScratchFolder folder;
+    Input input{folder.write("run.csv", "t_s,rate_dps\n" + text_)};
+    input.layout = layout;
+    Reader reader{input};
+    Reading reading;
+    for (Row row; reader.next(row);) {
+      reading.time_s.push_back(static_cast<double>(row.time_ns) * 1e-9);
+      reading.rates.push_back(std::lround(row.rate_rad_s[0] * 57.29577951308232));
+    }
+    reading.findings = reader.findings();
+    return reading;
+  }
+  [[nodiscard]] std::string complaint() const {
+    try {
+      static_cast<void>(read());
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+ private:
+  std::string text_;
+  int count_ = 0;
+};
+
+TEST(CounterOf32BitsOfMicroseconds, CountsOn) {
+  Stamps stamps;
+  stamps.add_even(4294.0, 0.1, 10);
+  stamps.add_even(0.032704, 0.1, 10);
+  const auto reading = stamps.read();
+  ASSERT_EQ(reading.time_s.size(), 20U);
+  EXPECT_NEAR(reading.time_s[10], 4295.0, 1e-9);
+  EXPECT_NEAR(reading.time_s[19], 4295.9, 1e-9);
+  EXPECT_EQ(reading.findings.count(Finding::counter_wrapped), 1U);
+  EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
+}
+
+TEST(ClockSetBack, GoesOnAfterAPause) {
+  Stamps stamps;
+  stamps.add_even(7200.0, 0.1, 100);
+  stamps.add_even(3600.0, 0.1, 100);
+  const auto reading = stamps.read();
+  ASSERT_EQ(reading.time_s.size(), 200U);
+  EXPECT_NEAR(reading.time_s[100] - reading.time_s[99], 2.0, 1e-9);
+  EXPECT_NEAR(reading.time_s[199] - reading.time_s[100], 9.9, 1e-9);
+  EXPECT_EQ(reading.findings.count(Finding::clock_step), 1U);
+  EXPECT_EQ(reading.findings.first_line(Finding::clock_step), 102U);
+}
+
+TEST(RowThatCameLate, StandsWhereItsStampBelongs) {
+  Stamps stamps;
+  for (const double time_s : {0.0, 0.1, 0.3, 0.4, 0.2, 0.5}) stamps.add(time_s);
+  const auto reading = stamps.read();
+  EXPECT_THAT(reading.rates, ElementsAre(0, 1, 4, 2, 3, 5));
+  EXPECT_EQ(reading.findings.count(Finding::time_sorted), 1U);
+}
+
+TEST(BlocksOutOfOrder, AreSorted) {
+  Stamps stamps;
+  stamps.add_even(0.0, 0.1, 500);
+  stamps.add_even(150.0, 0.1, 1000);
+  stamps.add_even(50.0, 0.1, 1000);
+  stamps.add_even(250.0, 0.1, 500);
+  const auto reading = stamps.read();
+  ASSERT_EQ(reading.time_s.size(), 3000U);
+  for (int k = 0; k < 3000; ++k)
+    ASSERT_NEAR(reading.time_s[static_cast<std::size_t>(k)], 0.1 * k, 1e-6) << k;
+  EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
+}
+
+TEST(StrayStamp, IsLeftOut) {
+  for (const double stray_s : {-5.0e8, 1.7e9}) {
+    Stamps stamps;
+    stamps.add_even(100.0, 0.1, 50);
+    stamps.add(stray_s);
+    stamps.add_even(105.1, 0.1, 50);
+    const auto reading = stamps.read();
+    EXPECT_EQ(reading.time_s.size(), 100U);
+    EXPECT_EQ(reading.findings.count(Finding::time_stray), 1U);
+    EXPECT_EQ(reading.findings.first_line(Finding::time_stray), 52U);
+    EXPECT_EQ(reading.findings.count(Finding::gap), 0U);
+  }
+}
+
+TEST(SamplesThatShareAStamp, AreSpreadEvenly) {
+  Stamps stamps;
+  for (int k = 0; k < 100; ++k) stamps.add(k / 5);
+  const auto reading = stamps.read();
+  for (int k = 0; k < 100; ++k)
+    ASSERT_NEAR(reading.time_s[static_cast<std::size_t>(k)], 0.2 * k, 1e-6) << k;
+  EXPECT_EQ(doubt_of_rows(reading.findings), "the time stamps of 81 % of the rows were repaired");
+}
+
+TEST(RowThatIsWrittenTwice, CountsOnce) {
+  Stamps stamps;
+  stamps.add_even(0.0, 0.1, 50);
+  stamps.add(4.9, 49);
+  stamps.add(5.0, 50);
+  const auto reading = stamps.read();
+  EXPECT_EQ(reading.time_s.size(), 51U);
+  EXPECT_EQ(reading.findings.count(Finding::row_repeated), 1U);
+  EXPECT_EQ(doubt_of_rows(reading.findings), "1.9 % of the rows were not used");
+}
+
+TEST(StampsWithoutTheirDigits, AreRefusedUnlessTheRateIsGiven) {
+  Stamps stamps;
+  for (int k = 0; k < 100; ++k) stamps.add(1.73234e9);
+  EXPECT_THAT(stamps.complaint(), HasSubstr("digits were lost"));
+  EXPECT_THAT(stamps.complaint(), HasSubstr("--rows-at"));
+  const auto reading = stamps.read({.rows_at_hz = 50.0});
+  EXPECT_NEAR(reading.time_s[99], 1.98, 1e-9);
+}
+
+TEST(TwoClocksInTurn, AreRefused) {
+  Stamps stamps;
+  for (int k = 0; k < 20'000; ++k) stamps.add(0.1 * k + (k % 2 == 0 ? 0.0 : 1e6));
+  EXPECT_THAT(stamps.complaint(), HasSubstr("--where"));
+}
+
+TEST(PeriodOfTheSamples, IsDoubtedWhereNoGyroHasIt) {
+  EXPECT_EQ(doubt_of_period(1'000'000'000), "");
+  EXPECT_EQ(doubt_of_period(31'250), "");
+  EXPECT_THAT(doubt_of_period(10'000'000'000), HasSubstr("milliseconds named seconds"));
+  EXPECT_THAT(doubt_of_period(10'000), HasSubstr("--rows-at 1e+05"));
+}
+
+TEST(FileOfAnAwkwardLogger, IsReadAsFarAsItIsWhole) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto rows = [&](const std::string& text, const Layout& layout) {
+    Input input{folder.write("run.csv", text)};
+    input.layout = layout;
+    Reader reader{input};
+    std::vector<std::int64_t> times;
+    for (Row row; reader.next(row);) times.push_back(row.time_ns);
+    return times;
+  };
+  EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\n2", {}), ElementsAre(0, 1'000'000'000));
+  EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\n" + std::string(512, '\0'), {}),
+              ElementsAre(0, 1'000'000'000));
+  EXPECT_THAT(rows("t_s,rate_dps\ns,deg/s\n0,1\n1,1\n", {}), ElementsAre(0, 1'000'000'000));
+  EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\nt_s,rate_dps\n8,1\n9,1\n", {}),
+              ElementsAre(0, 1'000'000'000, 8'000'000'000, 9'000'000'000));
+  EXPECT_THAT(rows("a,b,c\nd\nt_s,rate_dps\n5,1\n", {.skipped_lines = 2}),
+              ElementsAre(5'000'000'000));
+  EXPECT_THAT(rows("t_s,gz_dps,I\n5,1,0\n5,1,1\n6,1,0\n", {.where = {{"I", "0"}}}),
+              ElementsAre(5'000'000'000, 6'000'000'000));
+  Layout stamps;
+  stamps.set_columns("t=sec,t_ns=nsec");
+  stamps.set_units("time=s");
+  EXPECT_THAT(rows("sec,nsec,rate_dps\n5,250,1\n", stamps), ElementsAre(5'000'000'250));
+}
+
+}  // namespace
+}  // namespace zerorate::recording
