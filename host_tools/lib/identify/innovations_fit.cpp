@@ -175,7 +175,7 @@ class Fitter {
                        {with_order(peak.theta, logit_of), peak.minus_two_log}, std::move(steps))};
   }
 
-  /// What the options ask for.
+  /// The maximum for the filter or the noise, by the options.
   [[nodiscard]] Maximum as_asked(Maximum maximum) const {
     if (options_.of == FitOf::filter) return maximum;
     const auto model_at = [&](const Eigen::VectorXd& theta) {

@@ -68,7 +68,7 @@ struct StartValues {
   double order = 0.5;
 };
 
-/// What the parameters of a fit describe.
+/// Subject of the parameters of a fit.
 enum class FitOf {
   filter,  ///< the node's filter, which is likeliest with them
   noise    ///< the noise that the filter comes near, see noise_of_filter_fit()

@@ -218,7 +218,8 @@ void take_single_axis(NamedColumns& columns) {
 
 /// Texts that the user wants in columns.
 void take_wanted(const LineReader& lines, const Layout& layout, Header& header) {
-  for (const auto& [name, text] : layout.where) {
+  for (const auto& wanted : layout.where) {
+    const std::string& name = wanted.first;
     const auto found = std::ranges::find_if(header.layout, [&](const Column& column) {
       return column.name == name || name == fmt::format("#{}", &column - header.layout.data() + 1);
     });
@@ -226,7 +227,7 @@ void take_wanted(const LineReader& lines, const Layout& layout, Header& header) 
       throw Error{lines.place(), "no column " + excerpt(name), "the column named in --where",
                   "Names count as they stand in the header; #3 is the third column."};
     }
-    found->wanted = text;
+    found->wanted = wanted.second;
   }
 }
 
