@@ -134,7 +134,8 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
   if (fit.angle_random_walk_rad_per_sqrt_s.standard_error >
       0.5 * fit.angle_random_walk_rad_per_sqrt_s.value) {
     remarks.emplace_back(
-        "Slow noise hides the white noise at every tick: the angle random walk is hardly known, and "
+        "Slow noise hides the white noise at every tick: the angle random walk is hardly known, "
+        "and "
         "the intervals of the slow noise are too narrow. More samples a second may show it.");
   }
   if (!fit.flicker) {
