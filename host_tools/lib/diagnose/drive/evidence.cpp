@@ -16,6 +16,9 @@ using units::seconds;
 constexpr double kLongestPart_s = 30.0;
 /// A shorter part of a stop measures nothing worth its cost.
 constexpr double kShortestPart_s = 2.0;
+/// Share of every turn that an axis misses on grades and by the lean in curves [1 sigma]: 0.045 %
+/// on a grade of 3 %, 0.03 % in a curve of 0.3 g.
+constexpr double kMissedShare = 4e-4;
 
 /// Integral of the reference's speed [m].
 double metres_between(const truth::Series& speed_m_s, std::int64_t from_ns, std::int64_t to_ns) {
@@ -42,6 +45,10 @@ Eigen::MatrixXd DriveRecord::covariance() const {
   for (std::size_t i = 0; i < size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     v(k, k) += 2.0 * reference_rad2 + way_sigma_rad * way_sigma_rad;
+    for (std::size_t j = 0; j < size(); ++j) {
+      v(k, static_cast<Eigen::Index>(j)) +=
+          kMissedShare * kMissedShare * drives[i].turn_rad * drives[j].turn_rad;
+    }
     if (i + 1 == size() || number[i + 1] != number[i] + 1) continue;
     v(k, k + 1) -= reference_rad2;
     v(k + 1, k) -= reference_rad2;
