@@ -105,8 +105,7 @@ std::vector<std::size_t> find_outliers(const RestSamples& samples) {
     }
   }
   std::ranges::sort(found);
-  const auto copies = std::ranges::unique(found);
-  found.erase(copies.begin(), copies.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

@@ -73,10 +73,10 @@ bool takes_turns(const RestSamples& samples, std::size_t axis) {
 std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
   constexpr double kErrors = 6.0;
   constexpr std::size_t kFewestBlocks = 4;
-  constexpr std::size_t kMostBlocks = 64;
+  constexpr std::size_t kMostJudged = 64;
   const std::size_t blocks = samples.time.size() / kSamplesOfTurns;
   if (blocks < kFewestBlocks) return std::nullopt;
-  const std::size_t judged = std::min(blocks, kMostBlocks);
+  const std::size_t judged = std::min(blocks, kMostJudged);
   for (const std::size_t sensors : {2U, 3U, 4U}) {
     for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
       std::size_t different = 0;
