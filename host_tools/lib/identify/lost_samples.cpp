@@ -34,20 +34,34 @@ double shortest_common(std::vector<double> intervals) {
   return count > 0.0 ? sum / count : typical;
 }
 
+/// Variance about the median of blocks that lie within four standard deviations [ns^2]. The median
+/// deviation alone is a whole number of periods, too coarse where few samples are lost.
+double variance_about(double typical, std::vector<double> blocks) {
+  constexpr double kDeviationPerSigma = 0.6744897501960817;
+  for (double& block : blocks) block = std::abs(block - typical);
+  const double limit = 4.0 / kDeviationPerSigma * statistics::median_of(blocks);
+  double sum = 0.0;
+  double count = 0.0;
+  for (const double deviation : blocks) {
+    if (deviation > limit) continue;
+    sum += deviation * deviation;
+    count += 1.0;
+  }
+  return sum / count;
+}
+
 }  // namespace
 
 LostShare lost_share(std::span<const core::Instant> times, bool shares_stamps) {
   const std::size_t fewest_blocks = shares_stamps ? 16 : 32;
-  constexpr double kDeviationPerSigma = 0.6744897501960817;
   LostShare lost{.by_unevenness = 1.0};
   double mean_ns = 0.0;
   for (const std::size_t samples : {64U, 256U, 1024U}) {
     if (times.size() <= fewest_blocks * samples) break;
     std::vector<double> blocks = durations(times, samples);
     const double typical = statistics::median_of(blocks);
-    for (double& block : blocks) block = std::abs(block - typical);
-    const double sigma = statistics::median_of(std::move(blocks)) / kDeviationPerSigma;
-    const double share = static_cast<double>(samples) * sigma * sigma / (typical * typical);
+    const double variance_ns2 = variance_about(typical, std::move(blocks));
+    const double share = static_cast<double>(samples) * variance_ns2 / (typical * typical);
     lost.by_unevenness = shares_stamps ? share : std::min(lost.by_unevenness, share);
     mean_ns = typical / static_cast<double>(samples);
   }
