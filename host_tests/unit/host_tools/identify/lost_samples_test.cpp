@@ -31,8 +31,7 @@ TEST(LostShareOfAnEvenTrain, IsZero) {
   EXPECT_EQ(share.mean_interval, core::Duration::milliseconds(10));
 }
 
-/// The unevenness is a third too small at worst: the smallest of three estimates is taken, and the
-/// median deviation of blocks that lack few samples is a whole number of periods.
+/// The unevenness is rather too small: the smallest of three estimates is taken.
 TEST(LostShare, IsTheShareOfTheSamplesThatWentMissing) {
   for (const std::uint64_t lost_of_1000 : {50U, 150U, 300U}) {
     const ThinnedTrain train(400'000, lost_of_1000);
