@@ -208,7 +208,7 @@ TEST(ReplayOfATurningVehicle, PredictsAsIfItHadDrivenStraight) {
   }
 }
 
-TEST(ReplayOfAGoodRecordingWithBadRows, RefusesThoseAndGoesOn) {
+TEST(ReplayOfAGoodRecordingWithBadRows, LeavesThoseOutAndGoesOn) {
   const ScratchFolder folder;
   auto rows = rows_at_rest(3000, 0.05, 4);
   rows[500].rate_rad_s[1] = std::numeric_limits<float>::quiet_NaN();
@@ -216,10 +216,13 @@ TEST(ReplayOfAGoodRecordingWithBadRows, RefusesThoseAndGoesOn) {
   rows[900].time_ns = rows[899].time_ns - 1'000'000'000;
   const auto path = write_rows(folder.path() / "bad.csv", kRates, rows);
   const Replayed replayed = replay_file(path, {.model = sensor_model(), .schedule = kShortDrives});
-  EXPECT_EQ(replayed.result.rows, 3000U);
-  EXPECT_EQ(replayed.result.samples_refused, 3U);
+  const recording::Findings& findings = replayed.result.findings;
+  EXPECT_EQ(replayed.result.rows, 2999U);
+  EXPECT_EQ(replayed.result.samples_refused, 1U);
+  EXPECT_EQ(findings.count(recording::Finding::rate_lost), 1U);
+  EXPECT_EQ(findings.count(recording::Finding::time_stray), 1U);
   EXPECT_FALSE(replayed.messages[500].has_rate());
-  EXPECT_TRUE(replayed.messages[901].has_rate());
+  EXPECT_TRUE(replayed.messages[900].has_rate());
   EXPECT_TRUE(replayed.messages.back().health.calibrated);
 }
 
@@ -247,7 +250,7 @@ TEST(ReplayOfTenWildFirstSamples, DropsThemOrReportsThem) {
 }
 
 // A moving row whose time runs backwards must not hand the odometer pulses out of order.
-TEST(ReplayThroughTheChipOfTimeRunningBackwards, RefusesTheRow) {
+TEST(ReplayThroughTheChipOfTimeRunningBackwards, LeavesTheRowOut) {
   const ScratchFolder folder;
   recording::Columns columns = kRates;
   columns.odometer = true;
@@ -260,8 +263,9 @@ TEST(ReplayThroughTheChipOfTimeRunningBackwards, RefusesTheRow) {
     const auto path = write_rows(folder.path() / "back.csv", columns, rows);
     const Replayed replayed =
         replay_file(path, {.model = sensor_model(), .through = Through::chip});
-    EXPECT_EQ(replayed.result.rows, 3000U);
-    EXPECT_FALSE(replayed.messages[bad].has_rate());
+    EXPECT_EQ(replayed.result.rows, 2999U);
+    EXPECT_EQ(replayed.result.findings.count(recording::Finding::time_stray), 1U);
+    EXPECT_TRUE(replayed.messages[bad].has_rate());
     EXPECT_TRUE(replayed.messages.back().has_rate());
   }
 }

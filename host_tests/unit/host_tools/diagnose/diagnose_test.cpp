@@ -149,13 +149,16 @@ TEST(ModelOfADiagnosis, LeavesOutAnExtensionWithAReason) {
   }
 }
 
-TEST(ModelOfADiagnosis, HasTheBaseThatCharacterizeWrites) {
+TEST(ModelOfADiagnosis, HasTheBaseOfAFitByTheFilter) {
   const Record record = simulated({}, 1);
-  const identify::Characterization characterized =
-      identify::characterize(samples_of(record), {.recording = "rest.csv", .axes = {0}});
+  const identify::RestSamples samples = samples_of(record);
+  const core::Duration tick = identify::identification_tick(samples);
+  const std::vector<identify::TickMean> means = identify::average_ticks(samples, tick);
+  const identify::InnovationsFit fit = identify::fit_noise({means, samples.mean_period, tick, 0});
   const Diagnosis diagnosis = diagnose(record, {.recording = "rest.csv"});
 
-  EXPECT_EQ(diagnosis.base_model, characterized.axes.front().model);
+  EXPECT_EQ(diagnosis.base_model,
+            identify::model_of(fit, samples.mean_period, "rest.csv", record.axis));
   EXPECT_EQ(diagnosis.extended_model, diagnosis.base_model);
 }
 

@@ -28,8 +28,11 @@ double occam_nats(const DriveFit& fit, const Eigen::VectorXd& prior_sigma) {
 
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<std::size_t>& places) {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(places.size()), matrix.cols());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    rows.row(static_cast<Eigen::Index>(i)) = matrix.row(static_cast<Eigen::Index>(places[i]));
+  for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      rows(static_cast<Eigen::Index>(i), column) =
+          matrix(static_cast<Eigen::Index>(places[i]), column);
+    }
   }
   return rows;
 }
