@@ -96,12 +96,9 @@ void OrderedRows::judge_backwards() {
   const std::size_t end = end_of_late();
   const std::size_t later = first_later(on_time_line(ahead_[judged_].row));
   const bool is_within_reach = given_ == 0 || earliest_until(end) >= given_ns_;
-  if (is_within_reach && judged_ - later <= kSoon && end < ahead_.size() &&
-      end - judged_ <= kSoon) {
-    sort(later, end);
-  } else if (leave_out_stray(later, end)) {
-    return;
-  } else if (is_within_reach && fills_a_hole(later, end)) {
+  const bool is_soon = judged_ - later <= kSoon && end < ahead_.size() && end - judged_ <= kSoon;
+  if (!(is_within_reach && is_soon) && leave_out_stray(later, end)) return;
+  if (is_within_reach && (is_soon || fills_a_hole(later, end))) {
     sort(later, end);
   } else {
     step_clock();

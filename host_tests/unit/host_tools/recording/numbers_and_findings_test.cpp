@@ -102,7 +102,7 @@ TEST(MeanInterval, CountsThePausesBetweenBurstsAndNoHoles) {
   const Reading reading = read(text);
   EXPECT_EQ(reading.findings.median_interval_ns(), 1'000'000);
   // 100 short intervals and 98 pauses of 99 ms.
-  EXPECT_EQ(reading.findings.mean_interval_ns(), (100 * 1'000'000 + 98 * 99'000'000LL) / 198);
+  EXPECT_EQ(reading.findings.mean_interval_ns(), (100 * 1'000'000LL + 98 * 99'000'000LL) / 198);
 }
 
 TEST(MeanInterval, OfASlowSensorIsItsPeriodWithoutGaps) {
