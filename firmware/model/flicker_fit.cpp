@@ -115,6 +115,15 @@ const FlickerFit& unit_flicker(const Flicker& flicker, double tick_s) {
 
 }  // namespace
 
+double FlickerFit::density(double tick_s, double cycles_per_tick) const {
+  const double sine = std::sin(kPi * cycles_per_tick);
+  double sum = white_variance_rad2_s2;
+  for (std::size_t i = 0; i < time_constants_s.size(); ++i) {
+    sum += variances_rad2_s2[i] * LagSpectrum(time_constants_s[i] / tick_s).at(sine);
+  }
+  return sum;
+}
+
 FlickerFit fit_flicker(const Flicker& flicker, double tick_s) {
   validate(flicker);
   FlickerFit fit = unit_flicker(flicker, tick_s);

@@ -18,6 +18,9 @@ struct FlickerFit {
   /// Fitted over wanted spectrum, at its lowest and highest over the fitted band.
   double least_ratio = 0.0;
   double greatest_ratio = 0.0;
+
+  /// Density per tick at a frequency in (0, 1/2] cycles per tick [rad2/s2 per (cycle/tick)].
+  [[nodiscard]] double density(double tick_s, double cycles_per_tick) const;
 };
 
 /// Fits the lags to flicker noise sampled every `tick_s` seconds, whose spectrum per sample is

@@ -56,8 +56,8 @@ class OutlierSearch {
     return 0;
   }
 
-  /// Whether the samples next to a run lie as calm as those around: a vehicle that rocks, or a door
-  /// that is shut, leaves a swing of its own, and is genuine.
+  /// Whether the samples next to a run are as calm as those farther away. Samples beside the swing
+  /// of a vehicle that rocks are not calm, and such a swing is no outlier.
   [[nodiscard]] bool is_alone(std::size_t k, std::size_t run) const {
     constexpr std::size_t kNear = 6;
     std::vector<double> near;

@@ -18,14 +18,6 @@ using Eigen::VectorXd;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Density per tick of a lag of unit variance; phi of a slow lag is one to many digits.
-double lag_density(double time_constant_ticks, double sine) {
-  const double one_minus_phi = -std::expm1(-1.0 / time_constant_ticks);
-  const double one_minus_phi2 = -std::expm1(-2.0 / time_constant_ticks);
-  return one_minus_phi2 /
-         (one_minus_phi * one_minus_phi + 4.0 * (1.0 - one_minus_phi) * sine * sine);
-}
-
 /// Density per tick of the mean of `samples` samples of fractional noise of this order, whose
 /// innovation variance at the tick would be one. The mean has the gain sin(pi n g) / (n sin(pi g))
 /// at g cycles per sample, and folds g = (f + k) / n onto f.
@@ -103,11 +95,7 @@ double filter_density(const model::SensorModel& model, double tick_s, double cyc
   const double sine = std::sin(kPi * cycles_per_tick);
   double density = spectrum::white_variance(model.white.angle_random_walk_rad_per_sqrt_s, tick_s);
   if (model.flicker) {
-    const model::FlickerFit lags = model::fit_flicker(*model.flicker, tick_s);
-    density += lags.white_variance_rad2_s2;
-    for (std::size_t i = 0; i < lags.time_constants_s.size(); ++i) {
-      density += lags.variances_rad2_s2[i] * lag_density(lags.time_constants_s[i] / tick_s, sine);
-    }
+    density += model::fit_flicker(*model.flicker, tick_s).density(tick_s, cycles_per_tick);
   }
   if (model.rate_random_walk) {
     const double k = model.rate_random_walk->coefficient_rad_s_per_sqrt_s;

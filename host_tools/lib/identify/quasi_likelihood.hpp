@@ -40,11 +40,11 @@ struct FittedParameters {
 /// The parameters of the noise under which a filter's likelihood is expected to be greatest where
 /// it is, and their covariance.
 ///
-/// A fit by a filter that only comes near the noise (a lag a decade, a tick for an instant) is one
-/// of quasi-likelihood: its parameters are biased by more than their standard error where 1/f noise
-/// is as strong as white noise at the tick. With S the density of the filter at its greatest
-/// likelihood and S0(p) that of the noise, the expected derivative of Whittle's likelihood is zero
-/// at
+/// A filter with a lag a decade, which takes a tick for an instant, only comes near the noise. The
+/// parameters of greatest likelihood are then biased, by more than their standard error where 1/f
+/// noise is as strong as white noise at the tick (quasi-likelihood). With S the density of the
+/// filter at its greatest likelihood and S0(p) that of the noise, the expected derivative of
+/// Whittle's likelihood is zero at
 ///
 ///     sum over f of  d log S / d p  (S0(p) / S - 1) = 0
 ///

@@ -9,9 +9,9 @@
 
 namespace zerorate::identify {
 
-/// Sentence about a recording in which every second, third or fourth sample has a level of its own,
-/// as where several sensors were written in turn: the levels differ by six of their errors in most
-/// blocks of 240 samples, of which 64 are judged. nullopt where none does.
+/// Sentence about a recording in which every second, third or fourth sample has a level of its own.
+/// Several sensors that write in turn make such a recording. The levels must differ by six of their
+/// errors in most of at most 64 blocks of 240 samples. nullopt where they do not.
 [[nodiscard]] std::optional<std::string> sensors_in_turn(const RestSamples& samples);
 
 }  // namespace zerorate::identify

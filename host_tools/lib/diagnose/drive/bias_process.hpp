@@ -1,6 +1,6 @@
 /// @file
-/// Bias between measurements at rest: its covariance by the model of the gyro, and its integral
-/// over each drive.
+/// Bias between measurements at rest. The model of the gyro gives its covariance, and the integral
+/// of the bias over a drive is the turn that it adds to the heading.
 #pragma once
 
 #include <Eigen/Core>

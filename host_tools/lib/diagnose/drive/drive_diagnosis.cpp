@@ -49,18 +49,6 @@ std::vector<Alternative> rivals_of(const MotionChoice& choice, const MotionSelec
   return rivals;
 }
 
-/// The most probable explanations, until they hold 95 %.
-std::vector<Explanation> smallest_set(const std::vector<Explanation>& explanations) {
-  std::vector<Explanation> set;
-  double sum = 0.0;
-  for (const Explanation& one : explanations) {
-    if (sum >= 0.95) break;
-    set.push_back(one);
-    sum += one.probability;
-  }
-  return set;
-}
-
 Cause cause_of(const MotionChoice& choice, const MotionSelection& selection,
                const std::vector<MotionChoice>& others, MotionDescription description) {
   const std::vector<Alternative> rivals = rivals_of(choice, selection, others);
@@ -71,7 +59,7 @@ Cause cause_of(const MotionChoice& choice, const MotionSelection& selection,
               .p_value = std::exp(-choice.surprisal_nats),
               .parameters = std::move(description.parameters),
               .probability = own->probability,
-              .set95 = smallest_set(explanations),
+              .set95 = set95_of(explanations),
               .sentence = std::move(description.sentence)};
   std::ranges::copy_if(
       rivals, std::back_inserter(cause.alternatives),

@@ -11,8 +11,8 @@ namespace zerorate::diagnose {
 /// Fewer drives say nothing about a cause.
 inline constexpr std::size_t kFewestDrives = 6;
 
-/// Surprisal from which on an effect is named: that of one in 660. Some eight columns are tried, so
-/// that one clean recording in 80 gets a cause.
+/// Least surprisal of an effect that is named, one in 660. With some eight columns to try, one
+/// recording without an effect in 80 gets a cause by chance.
 inline constexpr double kDriveThreshold_nats = 6.5;
 
 /// @param model of the node, to which the causes that pay are added

@@ -57,4 +57,15 @@ void add_stronger(std::vector<SelectionEvidence> more, std::vector<SelectionEvid
   std::ranges::stable_sort(all, std::greater{}, &SelectionEvidence::gain_nats);
 }
 
+std::vector<Explanation> set95_of(const std::vector<Explanation>& explanations) {
+  std::vector<Explanation> set;
+  double sum = 0.0;
+  for (const Explanation& one : explanations) {
+    if (sum >= 0.95) break;
+    set.push_back(one);
+    sum += one.probability;
+  }
+  return set;
+}
+
 }  // namespace zerorate::diagnose

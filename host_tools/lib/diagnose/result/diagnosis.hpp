@@ -56,6 +56,10 @@ inline constexpr std::string_view kByChance = "chance";
 [[nodiscard]] std::vector<Explanation> weigh(std::string_view best, double surprisal_nats,
                                              std::span<const Alternative> rivals);
 
+/// The most probable explanations, until they hold 95 %.
+/// @param explanations most probable first
+[[nodiscard]] std::vector<Explanation> set95_of(const std::vector<Explanation>& explanations);
+
 /// Probability from which on a name stands alone; below it the answer is "one of".
 inline constexpr double kStandsAlone = 0.8;
 

@@ -33,18 +33,6 @@ std::vector<std::size_t> by_rank(const std::vector<Choice>& choices, const Hypot
   return ranking;
 }
 
-/// The most probable explanations, until they hold 95 %.
-std::vector<Explanation> set95_of(const std::vector<Explanation>& explanations) {
-  std::vector<Explanation> set;
-  double sum = 0.0;
-  for (const Explanation& one : explanations) {
-    if (sum >= 0.95) break;
-    set.push_back(one);
-    sum += one.probability;
-  }
-  return set;
-}
-
 double probability_of(const Choice& choice) {
   const auto own =
       std::ranges::find(choice.explanations, choice.effect->name(), &Explanation::effect);
