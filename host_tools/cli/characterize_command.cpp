@@ -31,7 +31,7 @@ using units::kDphPerRadS;
 struct CharacterizeOptions {
   InputFlags input;
   std::string axis = "all";
-  std::string still_from = "odometer";
+  RestFlags rest;
   std::string order = "free";
   std::vector<std::string> others;
   OutputOptions outputs;
@@ -70,8 +70,8 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
     input.recording = name;
     recording::Reader reader{to_input(input)};
     identify::RestSamples samples =
-        identify::read_rest(reader, identify::rest_source(options.still_from));
-    for (std::string& doubt : identify::require_rest(samples)) {
+        identify::read_rest(reader, identify::rest_source(options.rest.still_from));
+    for (std::string& doubt : identify::require_rest(samples, to_accepted(options.rest.accept))) {
       doubts.push_back(name + ": " + std::move(doubt));
     }
     others.push_back(std::move(samples));
@@ -90,8 +90,9 @@ identify::Characterization run_identification(const CharacterizeOptions& options
     progress.update(share ? std::optional{0.5 * *share} : std::nullopt);
   };
   const identify::RestSamples samples =
-      identify::read_rest(reader, identify::rest_source(options.still_from), rest);
-  std::vector<std::string> doubts = identify::require_rest(samples);
+      identify::read_rest(reader, identify::rest_source(options.rest.still_from), rest);
+  std::vector<std::string> doubts =
+      identify::require_rest(samples, to_accepted(options.rest.accept));
   const identify::CharacterizeOptions settings{
       .recording = file_name(options.input.recording),
       .axes = axes,
@@ -191,6 +192,10 @@ void print_characterization(const identify::Characterization& result, bool is_ve
     fmt::print("  note: the first {} rows left out: the gyro did not measure yet\n",
                result.rows_wild);
   }
+  if (result.rows_repeated > 0) {
+    fmt::print("  note: {} rows left out that repeat the one before: read faster than measured\n",
+               result.rows_repeated);
+  }
   if (result.rows_outlying > 0) {
     fmt::print("  note: {} sample{} left out, 20 standard deviations from those around them\n",
                result.rows_outlying, result.rows_outlying == 1 ? "" : "s");
@@ -245,7 +250,7 @@ Command add_characterize(CLI::App& app) {
       app.add_subcommand("characterize", "Identify a sensor's noise from a recording at rest");
   const auto options = std::make_shared<CharacterizeOptions>();
   add_input_options(*command, options->input);
-  add_rest_options(*command, options->still_from);
+  add_rest_options(*command, options->rest);
   add_axis_option(*command, options->axis);
   command
       ->add_option("--order", options->order,

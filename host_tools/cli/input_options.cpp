@@ -23,12 +23,13 @@ void read_option(const char* option, const std::string& text, Take take) {
 }  // namespace
 
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
-  CLI::Option* const recording = command
-                                     .add_option("RECORDING", flags.recording,
-                                                 "CSV or CSV.gz file, folder of EuRoC, bag of ROS "
-                                                 "2 (.db3 or its folder) or ROS 1 (.bag); "
-                                                 "- for standard input")
-                                     ->required();
+  CLI::Option* const recording =
+      command
+          .add_option("RECORDING", flags.recording,
+                      "CSV or CSV.gz file, folder of EuRoC or KITTI, bag of ROS "
+                      "2 (.db3 or its folder) or ROS 1 (.bag); "
+                      "- for standard input")
+          ->required();
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Files of other formats");
   };
@@ -38,8 +39,9 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       "rate (a single axis), temp, ax, "
       "ay, az, pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
   add("--units", flags.units,
-      "units that names do not give: time=s|ms|us|ns|iso, rate=dps|radps|mdps|dph|0.00875dps (raw "
-      "counts), temp=c|k|f, acceleration=mps2|g, speed=mps|kmh|mph, angle=deg|rad");
+      "units that names do not give: time=s|ms|us|ns|iso, "
+      "rate=dps|radps|mdps|dph|0.00875dps (raw counts)|deg/sample|rad/sample, temp=c|k|f, "
+      "acceleration=mps2|g, speed=mps|kmh|mph, angle=deg|rad");
   add("--delimiter", flags.delimiter,
       ", ; | tab or space; default: the first of comma, semicolon and tab in the header");
   command.add_flag("--decimal-comma", flags.decimal_comma, "decimals are written as in 0,5")
@@ -76,9 +78,23 @@ void add_axis_option(CLI::App& command, std::string& axis) {
       ->capture_default_str();
 }
 
-void add_rest_options(CLI::App& command, std::string& still_from) {
+void add_accept_option(CLI::App& command, std::string& accept) {
+  command.add_option("--accept", accept,
+                     "what looks wrong and is right, as the refusal names it: " +
+                         identify::doubt_names() + "; several with commas");
+}
+
+identify::AcceptedDoubts to_accepted(const std::string& accept) {
+  identify::AcceptedDoubts accepted;
+  read_option("--accept", accept,
+              [&](const std::string& text) { accepted = identify::AcceptedDoubts{text}; });
+  return accepted;
+}
+
+void add_rest_options(CLI::App& command, RestFlags& flags) {
+  add_accept_option(command, flags.accept);
   command
-      .add_option("--still-from", still_from,
+      .add_option("--still-from", flags.still_from,
                   "source of rest: odometer (pulses, still or speed; without them all "
                   "is rest) or "
                   "gyro (its own calm)")

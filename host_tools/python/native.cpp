@@ -39,12 +39,14 @@ using Outcome =
     std::tuple<std::string, std::map<std::string, std::string>, std::vector<std::string>>;
 
 Outcome characterize(const Source& source, const std::string& name, const std::string& axis,
-                     std::optional<double> order, const std::string& still_from) {
+                     std::optional<double> order, const std::string& still_from,
+                     const std::string& accept) {
   recording::Reader reader = source.open();
   const auto axes = identify::axes_called(axis, reader.columns().axis_count);
   const identify::RestSamples samples =
       identify::read_rest(reader, identify::rest_source(still_from));
-  std::vector<std::string> doubts = identify::require_rest(samples);
+  std::vector<std::string> doubts =
+      identify::require_rest(samples, identify::AcceptedDoubts{accept});
   identify::Characterization result =
       identify::characterize(samples, {.recording = name, .axes = axes, .order = order});
   result.doubts = doubts;
@@ -60,7 +62,8 @@ using Curves = std::map<std::string, std::vector<std::array<double, 8>>>;
 std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::string& name,
                                                const std::string& axis,
                                                const std::optional<std::string>& model,
-                                               double holdout, const std::string& still_from) {
+                                               double holdout, const std::string& still_from,
+                                               const std::string& accept) {
   recording::Reader reader = source.open();
   const auto axes = identify::axes_called(axis, reader.columns().axis_count);
   const core::StandstillSource rest = identify::rest_source(still_from);
@@ -69,7 +72,8 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
     const identify::MotionAtRest motion = identify::find_motion(samples);
     if (motion.is_usual()) identify::leave_out_motion(samples, motion);
   }
-  std::vector<std::string> doubts = identify::require_rest(samples);
+  std::vector<std::string> doubts =
+      identify::require_rest(samples, identify::AcceptedDoubts{accept});
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t one : axes) records.push_back(diagnose::record_of(samples, one));

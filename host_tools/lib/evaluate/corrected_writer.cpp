@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "core/base/numeric.hpp"
+#include "firmware/wire/health_bits.hpp"
 
 namespace zerorate::evaluate {
 namespace {
@@ -23,7 +24,8 @@ CorrectedWriter::CorrectedWriter(const std::filesystem::path& path, std::size_t 
     fmt::format_to(out, ",{0}_dps,{0}_bias_dps,{0}_sigma_dps,{0}_turn_deg,{0}_turn_sigma_deg",
                    axis);
   }
-  fmt::format_to(out, ",turn_s,heading_deg,heading_sigma_deg,up_x,up_y,up_z,motion\n");
+  fmt::format_to(out,
+                 ",turn_s,heading_deg,heading_sigma_deg,up_x,up_y,up_z,motion,usable,health\n");
 }
 
 void CorrectedWriter::write(const ReplayedSample& sample) {
@@ -53,8 +55,20 @@ void CorrectedWriter::write(const ReplayedSample& sample) {
   cell(has_heading, heading_sigma_deg);
   const auto& up = sample.message.up;
   for (const float share : up.value_or(core::Direction{})) cell(up.has_value(), share);
-  fmt::format_to(out, ",{}\n", core::name(sample.message.motion));
+  fmt::format_to(out, ",{},{:d},", core::name(sample.message.motion),
+                 sample.message.health.is_usable());
+  append_flags(sample.message.health);
+  text_.push_back('\n');
   if (text_.size() >= kFlushAt) flush();
+}
+
+void CorrectedWriter::append_flags(const app::Health& health) {
+  const std::size_t begin = text_.size();
+  for (const wire::HealthBit& bit : wire::kHealthBits) {
+    if (!(health.*bit.flag)) continue;
+    if (text_.size() > begin) text_.push_back('|');
+    text_.append(bit.name);
+  }
 }
 
 void CorrectedWriter::finish() {

@@ -12,9 +12,10 @@
 namespace zerorate::evaluate {
 
 /// Writes t_s, then for each axis the corrected rate, the bias and its standard deviation [deg/s],
-/// and the motion (moving, settling, still). The rate's columns carry the names that a recording
-/// has, so that the file can be replayed. A refused sample leaves its rate empty, a bias that is
-/// not known yet its bias and sigma.
+/// the turn since departure, the heading, the motion (moving, settling, still), whether the rate
+/// may be used, and the names of the health flags that are set, as `calibrated|saturated`. The
+/// rate's columns carry the names that a recording has, so that the file can be replayed. A refused
+/// sample leaves its rate empty, a bias that is not known yet its bias and sigma.
 class CorrectedWriter {
  public:
   /// Opens an output::OutputFile. All members throw std::system_error.
@@ -25,6 +26,7 @@ class CorrectedWriter {
   void finish();
 
  private:
+  void append_flags(const app::Health& health);
   void flush();
 
   output::OutputFile file_;

@@ -75,6 +75,7 @@ class Run {
         observer_(observer),
         through_(options.through),
         references_(options.references),
+        accepted_(options.accepted),
         result_(result),
         replayed_(options, reader.columns(), {result.sample_period, result.filter_tick},
                   rows.first_time_ns()) {
@@ -104,7 +105,7 @@ class Run {
     } else {
       stops_.end_stop(node_, kStart, result_);
     }
-    if (rest_) result_.rest_doubts = identify::require_rest(rest_->doubts());
+    if (rest_) result_.rest_doubts = identify::require_rest(rest_->doubts(), accepted_);
     node_.finish_learning();
     if (has_news()) tell_learnt(row.time_ns);
     result_.loop = feed.counters();
@@ -294,6 +295,7 @@ class Run {
   const ReplayObserver& observer_;
   Through through_;
   const std::optional<ReferenceUse>& references_;
+  const identify::AcceptedDoubts& accepted_;
   ReplayResult& result_;
   ReplayNode<Shape> replayed_;
   Node& node_ = replayed_.node();

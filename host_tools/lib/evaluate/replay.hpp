@@ -23,6 +23,7 @@
 #include "host_tools/lib/evaluate/odometer.hpp"
 #include "host_tools/lib/evaluate/simulated_gyro.hpp"
 #include "host_tools/lib/evaluate/true_drives.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/truth/truth.hpp"
 
@@ -58,6 +59,7 @@ struct ReplayOptions {
   /// With a schedule: whether the rates are to be looked at, which those of a sensor at rest must
   /// be.
   bool checks_rest = false;
+  identify::AcceptedDoubts accepted{};  ///< doubts about rest that the user overrules
   Through through = Through::source;
   /// If through chip: a SimulatedChip's name, with as many axes as the recording.
   std::string chip = "lsm6dso";

@@ -148,6 +148,7 @@ std::string to_json(const Characterization& result) {
             {"rows_moving", result.rows_moving},
             {"rows_lost", result.rows_lost},
             {"rows_wild", result.rows_wild},
+            {"rows_repeated", result.rows_repeated},
             {"rows_outlying", result.rows_outlying},
             {"rows_left_out", result.findings.left_out()},
             {"rows_doubt", recording::doubt_of_rows(result.findings)},

@@ -5,13 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "host_tools/lib/identify/density.hpp"
+#include "host_tools/lib/identify/repeats.hpp"
 #include "host_tools/lib/identify/whittle.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
 namespace {
@@ -156,6 +161,30 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
   return remarks;
 }
 
+/// Remark on a mean that is smaller than the means of tenths of the recording scatter. The
+/// zero-rate level of a MEMS gyro is a hundred times as large.
+std::optional<std::string> remark_on_mean(const std::vector<TickMean>& ticks, std::size_t axis) {
+  constexpr std::size_t kParts = 10;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const std::size_t first = part * ticks.size() / kParts;
+    const std::size_t end = (part + 1) * ticks.size() / kParts;
+    double mean = 0.0;
+    for (std::size_t i = first; i < end; ++i) mean += double{ticks[i].rate_rad_s[axis]};
+    mean /= static_cast<double>(end - first);
+    sum += mean;
+    squares += mean * mean;
+  }
+  const double mean = sum / kParts;
+  const double scatter = std::sqrt((squares - kParts * mean * mean) / (kParts - 1));
+  if (!(std::abs(mean) < scatter)) return std::nullopt;
+  return fmt::format(
+      "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
+      "a bias already taken out? A node needs the rates of the chip.",
+      mean * units::kDegPerRad, scatter * units::kDegPerRad);
+}
+
 /// Quicker decades than half the sample period would be white noise to the filter.
 double shortest_time_constant_s(core::Duration sample_period) {
   return std::max(0.5, 0.5 * seconds(sample_period));
@@ -174,6 +203,7 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
   result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
+  if (auto remark = remark_on_mean(ticks, axis)) result.remarks.push_back(std::move(*remark));
 
   const EvenRecord record = record_for_curves(samples, even_ticks, axis);
   if (record.rate_rad_s.size() >= kFewestFrequencies) {
@@ -274,17 +304,20 @@ RestSamples without_outliers(const RestSamples& samples) {
         "noise of a gyro. 'zerorate diagnose' shows where",
         outliers.size(), samples.time.size()));
   }
-  return without(samples, outliers);
+  RestSamples rest = without(samples, outliers);
+  rest.outliers += outliers.size();
+  return rest;
 }
 
 Characterization characterize(const RestSamples& all, const CharacterizeOptions& options) {
-  const RestSamples samples = without_outliers(all);
+  const RestSamples samples = without_outliers(without_repeats(all));
   const auto [tick, ticks] = Ticks(samples, options);
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,
                           .rows_moving = samples.moving,
                           .rows_lost = samples.lost,
                           .rows_wild = samples.wild,
+                          .rows_repeated = samples.repeated,
                           .rows_outlying = samples.outliers,
                           .findings = samples.findings,
                           .sample_period = samples.mean_period,

@@ -58,6 +58,7 @@ struct Characterization {
   std::uint64_t rows_moving = 0;
   std::uint64_t rows_lost = 0;
   std::uint64_t rows_wild = 0;
+  std::uint64_t rows_repeated = 0;  ///< rows of RestSamples::repeated
   std::uint64_t rows_outlying = 0;  ///< rows of RestSamples::outliers
   recording::Findings findings;
   std::vector<std::string> doubts{};  ///< doubts of require_rest(), set by the caller

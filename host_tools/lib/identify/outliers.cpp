@@ -68,17 +68,20 @@ class OutlierSearch {
     return near.empty() || jump > kSigmas * statistics::sigma_by_median(std::move(near));
   }
 
-  /// Twenty standard deviations of the white noise of some samples; steps, where most are equal.
+  /// Twenty standard deviations of the white noise of some samples by their changes. Equal
+  /// neighbours, which coarse steps and loggers that repeat a sample make, are no change.
   [[nodiscard]] double limit_in(std::size_t first, std::size_t end) const {
-    std::vector<double> rates;
-    for (std::size_t k = first; k < end; ++k) rates.push_back(rate(k));
-    const double sigma = statistics::sigma_of_changes(rates);
-    if (sigma > 0.0) return kSigmas * sigma;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = first + 1; k < end; ++k) {
-      if (change(k) > 0.0) least = std::min(least, change(k));
+    return kSigmas * sigma_of(first + 1, end);
+  }
+
+  /// Infinite where nothing changes.
+  [[nodiscard]] double sigma_of(std::size_t first, std::size_t end) const {
+    std::vector<double> changes;
+    for (std::size_t k = first; k < end; ++k) {
+      if (change(k) > 0.0) changes.push_back(change(k));
     }
-    return kSigmas * least;
+    if (changes.empty()) return std::numeric_limits<double>::infinity();
+    return statistics::sigma_by_median(std::move(changes));
   }
 
   static constexpr double kSigmas = 20.0;

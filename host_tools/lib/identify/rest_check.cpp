@@ -12,6 +12,7 @@
 
 #include "core/monitor/odometer_check.hpp"
 #include "core/standstill/calm_judge.hpp"
+#include "host_tools/lib/identify/angles.hpp"
 #include "host_tools/lib/identify/frozen_axes.hpp"
 #include "host_tools/lib/identify/sensors_in_turn.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -118,6 +119,7 @@ std::optional<RestDoubt> RestCheck::doubt_of_motion() const {
   if (turned.moved < kFewestMoved) return std::nullopt;
   const double share = static_cast<double>(turned.moved) / static_cast<double>(ticks_);
   return RestDoubt{
+      doubt::kMotion,
       fmt::format(
           "the sensor was turned: axis {} moved in {:.2g} % of the time, by up to {:.3g} deg/s. {}",
           name(most), 100.0 * share, turned.furthest_rad_s * kDegPerRad,
@@ -135,6 +137,7 @@ std::optional<RestDoubt> RestCheck::doubt_of_counts() const {
       // Several different ones: a constant may be anything.
       if (!seen.is_whole[i] || !(seen.most - seen.least > 2.5 * kWholeUnits_rad_s[i])) continue;
       return RestDoubt{
+          doubt::kCounts,
           fmt::format("every rate of axis {} is a whole number of {}: raw counts of the chip? Give "
                       "their factor: --columns gx=NAME,... --units rate=0.00875dps",
                       name(axis), i == 0 ? "deg/s" : "rad/s")};
@@ -152,18 +155,21 @@ std::optional<RestDoubt> RestCheck::doubt_of_unit() const {
     if (axes_[axis].white_sigmas.empty()) continue;
     const double noise = statistics::median_of(axes_[axis].white_sigmas) * root_period * kDegPerRad;
     if (noise > kNoisiest) {
-      return RestDoubt{fmt::format(
-          "the noise of axis {} is {:.3g} deg/s/sqrt(Hz), and no gyro at rest has more than {:g}: "
-          "degrees named radians, raw counts, or a sensor in motion? --columns and --units name "
-          "another unit",
-          name(axis), noise, kNoisiest)};
+      return RestDoubt{doubt::kUnit, fmt::format("the noise of axis {} is {:.3g} deg/s/sqrt(Hz), "
+                                                 "and no gyro at rest has more than {:g}: "
+                                                 "degrees named radians, raw counts, or a sensor "
+                                                 "in motion? --columns and --units name "
+                                                 "another unit",
+                                                 name(axis), noise, kNoisiest)};
     }
     if (noise > 0.0) quietest = std::min(quietest, noise);
   }
   if (quietest >= kQuietest || !std::isfinite(quietest)) return std::nullopt;
   return RestDoubt{
+      doubt::kUnit,
       fmt::format("the noise is {:.2g} deg/s/sqrt(Hz), less than a fifth of the best MEMS "
-                  "gyro's: radians named degrees? --columns and --units name another unit",
+                  "gyro's: radians named degrees, or the angle of each sample? --columns and "
+                  "--units name another unit, as --units rate=deg/sample",
                   quietest),
       false};
 }
@@ -185,25 +191,20 @@ std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
     if (!std::ranges::binary_search(outliers, i)) check.add(samples.time[i], samples.rate_rad_s[i]);
   }
   std::vector<RestDoubt> doubts = check.doubts();
+  const auto put_first = [&](std::string_view name, std::optional<std::string> sentence,
+                             bool is_certain = true) {
+    if (sentence) doubts.insert(doubts.begin(), {name, std::move(*sentence), is_certain});
+  };
   std::string period = recording::doubt_of_period(samples.mean_period.ns());
-  if (!samples.is_timed_by_rows && !period.empty())
-    doubts.insert(doubts.begin(), {std::move(period)});
-  if (auto turns = sensors_in_turn(samples)) doubts.insert(doubts.begin(), {std::move(*turns)});
-  if (const auto frozen = frozen_axis(samples)) doubts.insert(doubts.begin(), {*frozen});
+  if (!samples.is_timed_by_rows && !period.empty()) put_first(doubt::kPeriod, std::move(period));
+  put_first(doubt::kSensors, sensors_in_turn(samples));
+  put_first(doubt::kFrozen, frozen_axis(samples));
+  put_first(doubt::kAngles, angles_not_rates(samples));
   return doubts;
 }
 
-std::vector<std::string> require_rest(std::vector<RestDoubt> doubts) {
-  std::vector<std::string> remarks;
-  for (RestDoubt& doubt : doubts) {
-    if (doubt.is_certain) throw recording::DataError(doubt.sentence);
-    remarks.push_back(std::move(doubt.sentence));
-  }
-  return remarks;
-}
-
-std::vector<std::string> require_rest(const RestSamples& samples) {
-  return require_rest(doubts_of_rest(samples));
+std::vector<std::string> require_rest(const RestSamples& samples, const AcceptedDoubts& accepted) {
+  return require_rest(doubts_of_rest(samples), accepted);
 }
 
 namespace {

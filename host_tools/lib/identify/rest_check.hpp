@@ -11,15 +11,10 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/lib/identify/rest_doubt.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::identify {
-
-/// A reason to doubt a recording at rest.
-struct RestDoubt {
-  std::string sentence;    ///< with the figure that shows it, and what to do
-  bool is_certain = true;  ///< results would mean nothing
-};
 
 /// Looks for a sensor that was turned, raw counts, and radians named degrees or the reverse, while
 /// samples come. The limits are wider than any MEMS gyro sold: at rest none changes by 1 deg/s from
@@ -67,9 +62,9 @@ class RestCheck {
 /// Doubts about a complete set of samples.
 [[nodiscard]] std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples);
 
-/// Throws recording::DataError with the first certain doubt; returns the sentences of the others.
-[[nodiscard]] std::vector<std::string> require_rest(std::vector<RestDoubt> doubts);
-[[nodiscard]] std::vector<std::string> require_rest(const RestSamples& samples);
+/// require_rest() of doubts_of_rest().
+[[nodiscard]] std::vector<std::string> require_rest(const RestSamples& samples,
+                                                    const AcceptedDoubts& accepted = {});
 
 /// Samples at rest that the node's own judgement of the calm (core::CalmJudge) would not learn
 /// from.

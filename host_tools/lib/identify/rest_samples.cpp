@@ -191,7 +191,6 @@ RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& 
     k -= static_cast<std::size_t>(std::ranges::lower_bound(indices, k) - indices.begin());
   }
   std::erase_if(rest.after_drives, [&](std::size_t k) { return k >= rest.time.size(); });
-  rest.outliers += indices.size();
   return rest;
 }
 

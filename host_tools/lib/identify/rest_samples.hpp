@@ -47,7 +47,8 @@ struct RestSamples {
   std::uint64_t moving = 0;    ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;      ///< rows left out because a rate is missing or time does not advance
   std::uint64_t wild = 0;      ///< rows left out because the gyro did not measure after power-on
-  std::uint64_t outliers = 0;  ///< rows left out by without()
+  std::uint64_t outliers = 0;  ///< rows left out by without_outliers()
+  std::uint64_t repeated = 0;  ///< rows left out by without_repeats()
   recording::Findings findings;
 
   /// Time from the first sample to the last, without the pauses.
@@ -76,7 +77,7 @@ struct RestOptions {
 /// white noise around them away: no noise of a gyro. Ascending.
 [[nodiscard]] std::vector<std::size_t> find_outliers(const RestSamples& samples);
 
-/// The samples without some of them, which are counted as outliers.
+/// The samples without some of them.
 /// @param indices  ascending
 [[nodiscard]] RestSamples without(const RestSamples& samples,
                                   const std::vector<std::size_t>& indices);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/identify/repeats.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
@@ -52,8 +53,8 @@ Sameness test_sameness(std::span<const AxisTicks> recordings, std::optional<doub
 
 void compare_recordings(const RestSamples& samples, std::span<const RestSamples> further,
                         const CharacterizeOptions& options, Characterization& result) {
-  std::vector<RestSamples> all{without_outliers(samples)};
-  for (const RestSamples& one : further) all.push_back(without_outliers(one));
+  std::vector<RestSamples> all{without_outliers(without_repeats(samples))};
+  for (const RestSamples& one : further) all.push_back(without_outliers(without_repeats(one)));
   std::vector<std::vector<TickMean>> means;
   std::vector<core::Duration> ticks;
   for (const RestSamples& one : all) {

@@ -132,7 +132,6 @@ std::optional<double> ByteSource::fraction_read() const {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1024} * 1024;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 }  // namespace
 
@@ -168,9 +167,6 @@ bool LineReader::next(std::string_view& line) {
 std::string_view LineReader::take(std::size_t length, std::size_t end_length) {
   std::string_view line{buffer_.data() + begin_, length};
   begin_ += length + end_length;
-  if (line_ == 0 && line.starts_with(kByteOrderMark)) {
-    line.remove_prefix(kByteOrderMark.size());
-  }
   ++line_;
   if (line.ends_with('\r')) {
     line.remove_suffix(1);
@@ -188,9 +184,25 @@ bool LineReader::fill() {
                 "a CSV file with one sample a line",
                 "Check that this is the right file."};
   }
-  const std::size_t count = source_.read(std::span{buffer_}.subspan(end_), line_ + 1);
+  const std::size_t count = read(std::span{buffer_}.subspan(end_));
   end_ += count;
   return count != 0;
+}
+
+std::size_t LineReader::read(std::span<char> out) {
+  while (true) {
+    const std::size_t count = source_.read(out, line_ + 1);
+    if (count == 0) return 0;
+    if (!decoder_) decoder_.emplace(out.first(count));
+    if (const std::size_t kept = decoder_->decode(out.first(count)); kept > 0) return kept;
+  }
+}
+
+std::string_view LineReader::ahead() {
+  constexpr std::size_t kAhead = std::size_t{64} * 1024;
+  while (end_ - begin_ < kAhead && fill()) {
+  }
+  return {buffer_.data() + begin_, end_ - begin_};
 }
 
 }  // namespace zerorate::recording

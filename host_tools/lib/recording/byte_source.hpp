@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/recording/text_decoder.hpp"
 
 namespace zerorate::recording {
 
@@ -59,8 +60,9 @@ class ByteSource {
   bool between_members_ = false;  ///< a gzip file may be several streams one after the other
 };
 
-/// Splits a ByteSource into lines ended by LF or CR LF. A UTF-8 byte order mark is skipped.
-/// No line may be longer than 1 MiB, the size of the buffer.
+/// Splits a ByteSource into lines ended by LF, CR LF or, in a file without LF, by CR. UTF-16 with a
+/// byte order mark becomes UTF-8, and a byte order mark of UTF-8 is skipped. No line may be longer
+/// than 1 MiB, the size of the buffer.
 class LineReader {
  public:
   explicit LineReader(const std::filesystem::path& path);
@@ -68,6 +70,9 @@ class LineReader {
   /// The next line without its end, valid until the next call; false at the end of the file.
   /// Throws Error.
   [[nodiscard]] bool next(std::string_view& line);
+
+  /// Text behind the line last given, up to 64 KiB of it: line ends are LF or CR LF. Throws Error.
+  [[nodiscard]] std::string_view ahead();
 
   /// Number of the line last given, from 1; 0 before the first.
   [[nodiscard]] std::uint64_t line() const { return line_; }
@@ -80,8 +85,10 @@ class LineReader {
  private:
   [[nodiscard]] bool fill();
   std::string_view take(std::size_t length, std::size_t end_length);
+  [[nodiscard]] std::size_t read(std::span<char> out);
 
   ByteSource source_;
+  std::optional<TextDecoder> decoder_;  ///< begun with the first bytes
   std::vector<char> buffer_;
   std::size_t begin_ = 0;  ///< buffer_[begin_, end_) is read but not yet given out
   std::size_t end_ = 0;

@@ -13,7 +13,7 @@ namespace zerorate::recording {
 CsvRows::CsvRows(const std::filesystem::path& path, const Layout& layout, Needs needs)
     : lines_(path),
       header_(read_header(lines_, layout, needs)),
-      decimal_comma_(layout.decimal_comma) {
+      decimal_comma_(header_.decimal_comma) {
   if (decimal_comma_ && header_.delimiter == ',') {
     throw Error{lines_.place(), "commas between the fields",
                 "another delimiter beside decimal commas", "Name it: --delimiter ';'."};

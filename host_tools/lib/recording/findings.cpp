@@ -114,6 +114,7 @@ std::int64_t Findings::mean_interval_ns() const {
 }
 
 void Findings::examine(Row& row, const Columns& columns, std::uint64_t line) {
+  program_ = columns.program;
   examine_rates(row, columns);
   if (columns.temperature && !std::isfinite(row.temperature_degc)) {
     row.findings.add(Finding::temperature_lost);

@@ -94,6 +94,8 @@ class Findings {
   /// Counts rows that were read and not given, once, at the end.
   void add_left_out(const LeftOut& left_out);
 
+  /// Program that wrote the file, where it was recognised; else empty.
+  [[nodiscard]] std::string_view program() const { return program_; }
   /// Rows that were given.
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
   /// Rows that were read and not given.
@@ -125,6 +127,7 @@ class Findings {
   void examine_acceleration(Row& row);
   void count(const FindingSet& set, std::uint64_t line);
 
+  std::string_view program_;
   std::uint64_t rows_ = 0;
   std::array<std::uint64_t, kFindingCount> counts_{};
   std::array<std::uint64_t, kFindingCount> first_lines_{};

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host_tools/lib/recording/column_names.hpp"
+#include "host_tools/lib/recording/exports.hpp"
 #include "host_tools/lib/recording/fields.hpp"
 #include "host_tools/lib/recording/number.hpp"
 
@@ -327,6 +328,7 @@ Columns columns_of(const LineReader& lines, const NamedColumns& named, Needs nee
     columns.axis_count = rates.quantity->axis_count;
     columns.acceleration = has_accelerations(lines, named);
     const bool is_in_degrees = rates.unit == parse_unit(Dimension::rate, "dps");
+    columns.are_increments = rates.unit->is_increment;
     columns.rate_unit = is_in_degrees ? RateUnit::deg_per_s : RateUnit::rad_per_s;
   } else if (!columns.odometer && !columns.still && !columns.speed) {
     throw missing(lines, named, {"speed", "v", "wheel", "odo", "ticks"},
@@ -341,13 +343,15 @@ Columns columns_of(const LineReader& lines, const NamedColumns& named, Needs nee
 
 }  // namespace
 
-Header read_header(LineReader& lines, const Layout& layout, Needs needs) {
+Header read_header(LineReader& lines, const Layout& said, Needs needs) {
+  const CompletedLayout completed = complete_layout(said, lines.ahead(), lines.place().file);
+  const Layout& layout = completed.layout;
   std::string_view skipped;
   for (std::size_t k = 0; k < layout.skipped_lines && lines.next(skipped); ++k) {
   }
   const std::string_view line = find_header_line(lines);
   refuse_binary(lines, line);
-  Header header{.line = std::string(line)};
+  Header header{.line = std::string(line), .decimal_comma = layout.decimal_comma};
   header.delimiter = layout.delimiter != '\0' ? layout.delimiter : delimiter_in(line);
   NamedColumns named = split(line, header.delimiter);
   if (holds_numbers(named)) {
@@ -368,6 +372,7 @@ Header read_header(LineReader& lines, const Layout& layout, Needs needs) {
   leave_out_partial_accelerations(named, layout);
   if (needs == Needs::rates) take_single_axis(named);
   header.columns = columns_of(lines, named, needs);
+  header.columns.program = completed.program;
   for (const NamedColumn& column : named) {
     const Quantity ignored;
     const Quantity& quantity = column.quantity != nullptr ? *column.quantity : ignored;

@@ -29,7 +29,8 @@ struct Header {
   std::vector<Column> layout;  ///< all columns, in the order of the file
   Columns columns;
   char delimiter = ',';
-  std::string line;       ///< header line; a logger that began again wrote it once more
+  std::string line;  ///< header line; a logger that began again wrote it once more
+  bool decimal_comma = false;
   std::string first_row;  ///< the line that was read, where it holds numbers instead of names
 };
 
@@ -40,8 +41,9 @@ enum class Needs : std::uint8_t {
 };
 
 /// Reads the lines up to and including the header. Lines before it may be empty or comments (#); a
-/// comment that names time and rates with their units is the header (EuRoC). Throws Error if the
-/// file is empty, is no CSV, or lacks or doubles a column.
+/// comment that names time and rates with their units is the header (EuRoC). Lines before the
+/// header of a known program are skipped (complete_layout). Throws Error if the file is empty, is
+/// no CSV, or lacks or doubles a column.
 [[nodiscard]] Header read_header(LineReader& lines, const Layout& layout, Needs needs);
 
 /// The header line that Writer puts out for these columns, without a line end.

@@ -54,6 +54,8 @@ constexpr std::array kUnits = {
     NamedUnit{"radps", Dimension::rate, {}},
     NamedUnit{"rad/s", Dimension::rate, {}},
     NamedUnit{"rad s^-1", Dimension::rate, {}},
+    NamedUnit{"deg/sample", Dimension::rate, {.si_per_unit = kRadPerDeg, .is_increment = true}},
+    NamedUnit{"rad/sample", Dimension::rate, {.is_increment = true}},
     NamedUnit{"c", Dimension::temperature, {}},
     NamedUnit{"degc", Dimension::temperature, {}},
     NamedUnit{"k", Dimension::temperature, {.zero = 273.15}},
@@ -81,7 +83,8 @@ struct NamedDimension {
 constexpr std::array kDimensions = {
     NamedDimension{"time", Dimension::time, "s, ms, us, ns or iso"},
     NamedDimension{"rate", Dimension::rate,
-                   "dps, radps, mdps or dph, with a factor for raw counts (0.00875dps)"},
+                   "dps, radps, mdps, dph, deg/sample or rad/sample, with a factor for raw counts "
+                   "(0.00875dps)"},
     NamedDimension{"temp", Dimension::temperature, "c, k or f"},
     NamedDimension{"acceleration", Dimension::acceleration, "mps2 or g"},
     NamedDimension{"speed", Dimension::speed, "mps, kmh or mph"},

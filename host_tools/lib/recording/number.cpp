@@ -126,9 +126,9 @@ std::optional<int> take_hours_and_minutes(std::string_view& text) {
 
 std::optional<std::chrono::sys_days> take_date(std::string_view& text) {
   const auto year = take_number(text, 4);
-  if (!year || !take_character(text, "-")) return std::nullopt;
+  if (!year || !take_character(text, "-/")) return std::nullopt;
   const auto month = take_number(text, 2);
-  if (!month || !take_character(text, "-")) return std::nullopt;
+  if (!month || !take_character(text, "-/")) return std::nullopt;
   const auto day = take_number(text, 2);
   if (!day) return std::nullopt;
   const std::chrono::year_month_day date{std::chrono::year{*year},
@@ -136,6 +136,27 @@ std::optional<std::chrono::sys_days> take_date(std::string_view& text) {
                                          std::chrono::day{static_cast<unsigned>(*day)}};
   if (!date.ok()) return std::nullopt;
   return std::chrono::sys_days{date};
+}
+
+/// Takes "07.250", "07,250" or "07:250" up to a zone or the end of the text; nanoseconds. A leap
+/// second may follow the 59th.
+std::optional<std::int64_t> take_seconds(std::string_view& text) {
+  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+  const auto whole = take_number(text, 2);
+  if (!whole || *whole > 60) return std::nullopt;
+  std::int64_t fraction_ns = 0;
+  if (take_character(text, ".,:")) {
+    const std::string_view digits = text.substr(0, text.find_first_of("Zz+-"));
+    Decimal decimal;
+    std::string_view rest = digits;
+    if (digits.empty() || take_digits(rest, decimal, false) == 0 || !rest.empty())
+      return std::nullopt;
+    const auto fraction = parse_fixed_point(fmt::format("0.{}", digits), 9);
+    if (!fraction) return std::nullopt;
+    fraction_ns = fraction->value;
+    text.remove_prefix(digits.size());
+  }
+  return *whole * kNsPerSecond + fraction_ns;
 }
 
 /// Takes "Z", "+01:00" or nothing at the front of the text; minutes ahead of UTC.
@@ -155,21 +176,21 @@ std::optional<std::int64_t> parse_calendar_time(std::string_view text) {
   constexpr std::int64_t kNsPerDay = 1440 * kNsPerMinute;
   constexpr int kFirstYearInRange = 1900;
   constexpr int kLastYearInRange = 2110;  // within core::kLatestTime
-  const auto date = take_date(text);
-  if (!date || !take_character(text, "Tt ")) return std::nullopt;
+  constexpr std::chrono::sys_days kNoDate{std::chrono::year{1970} / 1 / 1};
+  const bool is_time_of_day = text.size() > 2 && text[2] == ':';
+  const auto date = is_time_of_day ? kNoDate : take_date(text);
+  if (!date || (!is_time_of_day && !take_character(text, "Tt "))) return std::nullopt;
   const auto minutes = take_hours_and_minutes(text);
   if (!minutes || !take_character(text, ":")) return std::nullopt;
-  const std::string_view seconds = text.substr(0, text.find_first_of("Zz+-"));
-  const auto of_minute = parse_fixed_point(seconds, 9);
-  if (!of_minute || seconds.size() < 2 || of_minute->value > kNsPerMinute) return std::nullopt;
-  text.remove_prefix(seconds.size());
+  const auto of_minute = take_seconds(text);
+  if (!of_minute) return std::nullopt;
   const auto zone = take_zone(text);
   const std::chrono::year_month_day day{*date};
   const bool is_in_range = day.year() >= std::chrono::year{kFirstYearInRange} &&
                            day.year() <= std::chrono::year{kLastYearInRange};
   if (!zone || !text.empty() || !is_in_range) return std::nullopt;
   return date->time_since_epoch().count() * kNsPerDay + (*minutes - *zone) * kNsPerMinute +
-         of_minute->value;
+         *of_minute;
 }
 
 std::optional<FixedPoint> parse_fixed_point(std::string_view text, int decimals) {

@@ -25,8 +25,10 @@ struct FixedPoint {
 [[nodiscard]] std::optional<double> parse_real(std::string_view text);
 
 /// Reads a date and time of day by ISO 8601, "2026-03-01T12:30:00.25Z" or with "+01:00":
-/// nanoseconds since 1970. Without a zone the time counts as UTC; only its differences matter to a
-/// recording.
+/// nanoseconds since 1970. Without a zone the time counts as UTC, without a date as one of the
+/// first day; only differences matter to a recording. As loggers write it, the date may have
+/// slashes and a comma or a colon may stand before the fraction. A leap second, :60, is the second
+/// that follows.
 /// @return nullopt for anything else and for a date that no calendar has.
 [[nodiscard]] std::optional<std::int64_t> parse_calendar_time(std::string_view text);
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "host_tools/lib/recording/findings.hpp"
 
@@ -46,6 +47,8 @@ struct Columns {
   bool speed = false;  ///< speed of the vehicle's own odometer; WithMotion makes the others of it
   bool acceleration = false;      ///< ax, ay and az
   bool is_timed_by_rows = false;  ///< the user gave the rate of the rows, stamps do not count
+  bool are_increments = false;    ///< the rates of the rows are angles since the row before [rad]
+  std::string_view program = {};  ///< program that wrote the file, where it was recognised
 
   bool operator==(const Columns&) const = default;
 };

@@ -8,6 +8,8 @@
 #include "host_tools/lib/recording/bag_rows.hpp"
 #include "host_tools/lib/recording/csv_rows.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/recording/increments.hpp"
+#include "host_tools/lib/recording/kitti_rows.hpp"
 #include "host_tools/lib/recording/motion.hpp"
 #include "host_tools/lib/recording/ordered_rows.hpp"
 #include "host_tools/lib/recording/spread_rows.hpp"
@@ -116,13 +118,23 @@ std::unique_ptr<RowSource> open_rows_of_bag(const Input& /*input*/) {
 std::unique_ptr<RowSource> on_one_time_line(std::unique_ptr<RowSource> rows,
                                             const std::string& name,
                                             std::optional<double> rows_at_hz) {
-  if (rows_at_hz) return std::make_unique<NumberedTimes>(std::move(rows), *rows_at_hz);
-  auto ordered = std::make_unique<OrderedRows>(std::move(rows), name);
-  return std::make_unique<SpreadRows>(std::move(ordered), name);
+  const bool are_increments = rows->columns().are_increments;
+  if (rows_at_hz) {
+    rows = std::make_unique<NumberedTimes>(std::move(rows), *rows_at_hz);
+  } else {
+    rows = std::make_unique<OrderedRows>(std::move(rows), name);
+    rows = std::make_unique<SpreadRows>(std::move(rows), name);
+  }
+  if (are_increments) rows = std::make_unique<RatesOfIncrements>(std::move(rows));
+  return rows;
 }
 
 std::unique_ptr<RowSource> open_rows(const Input& input) {
   if (auto bag = open_rows_of_bag(input)) return bag;
+  if (const auto folder = kitti_folder(input.path)) {
+    return with_odometer_file(
+        on_one_time_line(std::make_unique<KittiRows>(*folder), input.path.string()), input);
+  }
   return with_odometer_file(
       on_one_time_line(std::make_unique<CsvRows>(text_file(input.path), input.layout, Needs::rates),
                        input.path.string(), input.layout.rows_at_hz),

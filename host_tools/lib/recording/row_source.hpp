@@ -54,14 +54,15 @@ class RowSource {
   [[nodiscard]] virtual LeftOut left_out() const { return {}; }
 };
 
-/// Puts the rows of a source on one time line: OrderedRows, then SpreadRows.
+/// Puts the rows of a source on one time line: OrderedRows, then SpreadRows. Angles of rows become
+/// rates there.
 /// @param name  of the recording, for messages
 /// @param rows_at_hz  rate of the rows, which then takes the place of their stamps
 [[nodiscard]] std::unique_ptr<RowSource> on_one_time_line(std::unique_ptr<RowSource> rows,
                                                           const std::string& name,
                                                           std::optional<double> rows_at_hz = {});
 
-/// Opens a text file, a folder of EuRoC or a bag, joined with its odometer. Throws Error.
+/// Opens a text file, a folder of EuRoC or KITTI or a bag, joined with its odometer. Throws Error.
 [[nodiscard]] std::unique_ptr<RowSource> open_rows(const Input& input);
 
 }  // namespace zerorate::recording
