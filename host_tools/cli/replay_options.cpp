@@ -298,8 +298,7 @@ void print_doubt_of_rows(const recording::Findings& findings) {
 
 void print_findings(const recording::Findings& findings) {
   if (!findings.program().empty()) {
-    fmt::print("  note: read as a recording of {}; --columns and --units read it otherwise\n",
-               findings.program());
+    fmt::print("  note: read as a recording of {}\n", findings.program());
   }
   for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
     const auto finding = static_cast<recording::Finding>(i);

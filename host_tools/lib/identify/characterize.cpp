@@ -165,6 +165,8 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
 /// zero-rate level of a MEMS gyro is a hundred times as large.
 std::optional<std::string> remark_on_mean(const std::vector<TickMean>& ticks, std::size_t axis) {
   constexpr std::size_t kParts = 10;
+  constexpr double kShare = 0.5;
+  constexpr double kDrift_rad_s = 0.05 / units::kDegPerRad;  // a larger drift may cross zero
   double sum = 0.0;
   double squares = 0.0;
   for (std::size_t part = 0; part < kParts; ++part) {
@@ -178,7 +180,7 @@ std::optional<std::string> remark_on_mean(const std::vector<TickMean>& ticks, st
   }
   const double mean = sum / kParts;
   const double scatter = std::sqrt((squares - kParts * mean * mean) / (kParts - 1));
-  if (!(std::abs(mean) < scatter)) return std::nullopt;
+  if (!(std::abs(mean) < kShare * scatter) || scatter > kDrift_rad_s) return std::nullopt;
   return fmt::format(
       "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
       "a bias already taken out? A node needs the rates of the chip.",

@@ -75,7 +75,7 @@ constexpr std::array kExports = {
            .marker = "loopIteration"},
 };
 
-constexpr std::array kDelimiters{',', ';', '\t'};
+constexpr std::array kSeparators{',', ';', '\t'};
 
 /// The first `kMostLines` whole lines of a text.
 std::vector<std::string_view> lines_of(std::string_view text) {
@@ -107,7 +107,7 @@ struct Found {
 std::optional<Found> find_header(const std::vector<std::string_view>& lines, char delimiter,
                                  const std::vector<std::string_view>& names) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    for (const char candidate : kDelimiters) {
+    for (const char candidate : kSeparators) {
       if (delimiter != '\0' && candidate != delimiter) continue;
       if (has_names(lines[i], candidate, names)) return Found{i, candidate};
     }

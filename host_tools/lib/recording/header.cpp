@@ -22,7 +22,9 @@ constexpr std::string_view kRateNames =
 constexpr std::string_view kNameRates =
     "Name the columns and their unit: --columns gx=NAME,gy=NAME,gz=NAME --units rate=radps.";
 constexpr std::string_view kNameTime =
-    "Name the column and its unit: --columns t=NAME --units time=ms.";
+    "Name the column and its unit: --columns t=NAME --units time=ms. Without one, --rows-at HZ "
+    "gives "
+    "the rate of the rows.";
 constexpr std::string_view kNameMotion =
     "Name the column: --odometer-columns t=NAME,speed=NAME --odometer-units speed=kmh.";
 
@@ -313,8 +315,9 @@ bool may_lack_header(const Layout& layout) {
   });
 }
 
-Columns columns_of(const LineReader& lines, const NamedColumns& named, Needs needs) {
-  if (find_single(lines, named, Meaning::time) == nullptr) {
+Columns columns_of(const LineReader& lines, const NamedColumns& named, const Layout& layout,
+                   Needs needs) {
+  if (find_single(lines, named, Meaning::time) == nullptr && !layout.rows_at_hz) {
     throw missing(lines, named, {"t_", "time", "stamp"},
                   "a time column named t_s or time_s (seconds)", kNameTime);
   }
@@ -371,7 +374,7 @@ Header read_header(LineReader& lines, const Layout& said, Needs needs) {
   naming.check(named);
   leave_out_partial_accelerations(named, layout);
   if (needs == Needs::rates) take_single_axis(named);
-  header.columns = columns_of(lines, named, needs);
+  header.columns = columns_of(lines, named, layout, needs);
   header.columns.program = completed.program;
   for (const NamedColumn& column : named) {
     const Quantity ignored;
@@ -381,24 +384,6 @@ Header read_header(LineReader& lines, const Layout& said, Needs needs) {
   }
   take_wanted(lines, layout, header);
   return header;
-}
-
-std::string header_line(const Columns& columns) {
-  const std::string_view unit = columns.rate_unit == RateUnit::deg_per_s ? "dps" : "radps";
-  std::string line = "t_s";
-  if (columns.axis_count == 1) {
-    line += fmt::format(",rate_{}", unit);
-  } else {
-    line += fmt::format(",gx_{0},gy_{0},gz_{0}", unit);
-  }
-  line += columns.temperature ? ",temp_c" : "";
-  line += columns.acceleration ? ",ax_mps2,ay_mps2,az_mps2" : "";
-  line += columns.odometer ? ",odometer_pulses" : "";
-  line += columns.still ? ",still" : "";
-  line += columns.ref_heading ? ",ref_heading_deg" : "";
-  line += columns.ref_rate ? ",ref_rate_dps" : "";
-  line += columns.ref_speed ? ",ref_speed_mps" : "";
-  return line;
 }
 
 }  // namespace zerorate::recording

@@ -46,7 +46,4 @@ enum class Needs : std::uint8_t {
 /// no CSV, or lacks or doubles a column.
 [[nodiscard]] Header read_header(LineReader& lines, const Layout& layout, Needs needs);
 
-/// The header line that Writer puts out for these columns, without a line end.
-[[nodiscard]] std::string header_line(const Columns& columns);
-
 }  // namespace zerorate::recording

@@ -37,7 +37,7 @@ struct Unit {
   double si_per_unit = 1.0;
   double zero = 0.0;
   int decimals = 9;           ///< decimals of a time: its unit is 10^-9 s times 10^decimals
-  bool is_increment = false;  ///< of a rate: angle since the sample before
+  bool is_increment = false;  ///< the value is an angle since the sample before
   bool is_calendar = false;   ///< calendar time: date and time of day by ISO 8601
 
   bool operator==(const Unit&) const = default;

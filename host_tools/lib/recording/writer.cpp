@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/lib/recording/header.hpp"
 #include "host_tools/lib/recording/number.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
@@ -49,6 +48,24 @@ void append_measured(std::string& text, float value, double si_per_unit) {
       return;
     }
   }
+}
+
+std::string header_line(const Columns& columns) {
+  const std::string_view unit = columns.rate_unit == RateUnit::deg_per_s ? "dps" : "radps";
+  std::string line = "t_s";
+  if (columns.axis_count == 1) {
+    line += fmt::format(",rate_{}", unit);
+  } else {
+    line += fmt::format(",gx_{0},gy_{0},gz_{0}", unit);
+  }
+  line += columns.temperature ? ",temp_c" : "";
+  line += columns.acceleration ? ",ax_mps2,ay_mps2,az_mps2" : "";
+  line += columns.odometer ? ",odometer_pulses" : "";
+  line += columns.still ? ",still" : "";
+  line += columns.ref_heading ? ",ref_heading_deg" : "";
+  line += columns.ref_rate ? ",ref_rate_dps" : "";
+  line += columns.ref_speed ? ",ref_speed_mps" : "";
+  return line;
 }
 
 }  // namespace

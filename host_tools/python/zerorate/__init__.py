@@ -59,25 +59,26 @@ def allan_deviation(rate: np.ndarray, sample_period_s: float, *, points_per_deca
 
 
 def characterize(recording: PathOrRecording, *, axis: str = "all", order: Optional[float] = None,
-                 still_from: str = "odometer") -> Characterization:
+                 still_from: str = "odometer", accept: str = "") -> Characterization:
     """White and flicker noise of a sensor at rest, as `zerorate characterize`.
 
-    `order` is d where it is known, else it is estimated. Raises RecordingError for a sensor that was not at rest.
+    `order` is d where it is known, else it is estimated. Raises RecordingError for a sensor that was not at rest; `accept`
+    names the doubts that are wrong, as the error does ("counts,motion").
     """
     source, name = _source_of(recording)
-    text, models, doubts = _native.characterize(source, name, axis, order, still_from)
+    text, models, doubts = _native.characterize(source, name, axis, order, still_from, accept)
     return Characterization.of_json(json.loads(text), models, doubts)
 
 
 def diagnose(recording: PathOrRecording, *, axis: str = "all", model: Optional[ModelOrName] = None, holdout: float = 0.3,
-             still_from: str = "odometer") -> Diagnosis:
+             still_from: str = "odometer", accept: str = "") -> Diagnosis:
     """What white and flicker noise do not explain, and why, as `zerorate diagnose`.
 
     An odometer is not examined against a reference speed; the command line does that.
     """
     source, name = _source_of(recording)
     text = None if model is None else _text_of(model)
-    (text, models, doubts), curves = _native.diagnose(source, name, axis, text, holdout, still_from)
+    (text, models, doubts), curves = _native.diagnose(source, name, axis, text, holdout, still_from, accept)
     return Diagnosis.of_json(json.loads(text), models, doubts, curves)
 
 

@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "host_tools/lib/recording/error.hpp"
 
@@ -44,6 +48,13 @@ std::vector<std::string> sentences(const RestSamples& rest, bool certain) {
   return chosen;
 }
 
+/// All names of doubts, as a user types them.
+std::string doubt_names_typed() {
+  std::string names = doubt_names();
+  std::erase(names, ' ');
+  return names;
+}
+
 /// A turn of at most 40 deg/s for four seconds, every twenty.
 double turns(double t) {
   const double phase_s = std::fmod(t, 20.0) - 10.0;
@@ -60,6 +71,28 @@ TEST(GyroAtRest, IsBelievedWithWhateverASensorDoes) {
       << "an engine that idles";
   EXPECT_THAT(doubts_of_rest(samples([](double) { return 0.0; }, 5.0)), IsEmpty())
       << "0.5 deg/s/sqrt(Hz)";
+}
+
+TEST(AngleInTheColumnOfARate, IsTold) {
+  RestSamples rest = samples([](double) { return 0.3; });
+  std::array<float, 3> angle{};
+  for (auto& rates : rest.rate_rad_s) {
+    for (std::size_t i = 0; i < 3; ++i) rates[i] = angle[i] += 0.01F * rates[i];
+  }
+  EXPECT_THAT(sentences(rest, true)[0], HasSubstr("angles, not rates?"));
+}
+
+TEST(AcceptedDoubt, IsNone) {
+  RestSamples rest = samples([](double) { return 0.3; });
+  for (auto& rates : rest.rate_rad_s) rates[2] = static_cast<float>(rates[2] > 0.0F);
+  try {
+    static_cast<void>(require_rest(rest));
+    FAIL();
+  } catch (const recording::DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--accept "));
+  }
+  EXPECT_EQ(require_rest(rest, AcceptedDoubts{doubt_names_typed()}).size(), 0);
+  EXPECT_THROW(AcceptedDoubts{"count"}, std::invalid_argument);
 }
 
 TEST(GyroWithAFrozenAxis, IsToldWithItsAxis) {
