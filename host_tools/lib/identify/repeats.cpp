@@ -55,6 +55,19 @@ bool may_repeat(const RestSamples& samples) {
   return true;
 }
 
+/// Mean of the intervals that are no holes.
+core::Duration mean_interval(const std::vector<core::Instant>& times) {
+  std::int64_t sum_ns = 0;
+  std::int64_t count = 0;
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    const std::int64_t interval_ns = (times[k] - times[k - 1]).ns();
+    if (interval_ns > recording::kShortestHole) continue;
+    sum_ns += interval_ns;
+    ++count;
+  }
+  return core::Duration::nanoseconds(count == 0 ? 0 : sum_ns / count);
+}
+
 }  // namespace
 
 std::vector<std::size_t> find_repeats(const RestSamples& samples) {
@@ -71,13 +84,9 @@ RestSamples without_repeats(const RestSamples& samples) {
   if (found.empty()) return samples;
   RestSamples rest = without(samples, found);
   rest.repeated += found.size();
-  const double stretch =
-      static_cast<double>(samples.time.size()) / static_cast<double>(rest.time.size());
-  const auto stretched = [&](core::Duration period) {
-    return core::Duration::nanoseconds(std::llround(static_cast<double>(period.ns()) * stretch));
-  };
-  rest.mean_period = stretched(samples.mean_period);
-  rest.sample_period = stretched(samples.sample_period);
+  rest.mean_period = mean_interval(rest.time);
+  rest.sample_period = rest.mean_period;
+  find_lost_samples(rest);
   return rest;
 }
 

@@ -14,6 +14,7 @@
 #include "core/standstill/calm_judge.hpp"
 #include "host_tools/lib/identify/angles.hpp"
 #include "host_tools/lib/identify/frozen_axes.hpp"
+#include "host_tools/lib/identify/repeats.hpp"
 #include "host_tools/lib/identify/sensors_in_turn.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/sigma_of_changes.hpp"
@@ -183,7 +184,20 @@ std::vector<RestDoubt> RestCheck::doubts() {
   return doubts;
 }
 
-std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
+namespace {
+
+/// The median interval where the mean one is near it: pauses lengthen the mean, and bursts shorten
+/// the median.
+core::Duration typical_period(const RestSamples& samples) {
+  constexpr std::int64_t kShortestBurst = 8;
+  return samples.mean_period < samples.sample_period * kShortestBurst ? samples.sample_period
+                                                                      : samples.mean_period;
+}
+
+}  // namespace
+
+std::vector<RestDoubt> doubts_of_rest(const RestSamples& all) {
+  const RestSamples samples = without_repeats(all);
   RestCheck check{samples.axis_count, samples.sample_period, samples.mean_period,
                   samples.moving > 0};
   const std::vector<std::size_t> outliers = find_outliers(samples);
@@ -195,10 +209,10 @@ std::vector<RestDoubt> doubts_of_rest(const RestSamples& samples) {
                              bool is_certain = true) {
     if (sentence) doubts.insert(doubts.begin(), {name, std::move(*sentence), is_certain});
   };
-  std::string period = recording::doubt_of_period(samples.mean_period.ns());
+  std::string period = recording::doubt_of_period(typical_period(samples).ns());
   if (!samples.is_timed_by_rows && !period.empty()) put_first(doubt::kPeriod, std::move(period));
   put_first(doubt::kSensors, sensors_in_turn(samples));
-  put_first(doubt::kFrozen, frozen_axis(samples));
+  put_first(doubt::kFrozen, frozen_axis(all));
   put_first(doubt::kAngles, angles_not_rates(samples));
   return doubts;
 }

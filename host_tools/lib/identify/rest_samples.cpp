@@ -194,8 +194,6 @@ RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& 
   return rest;
 }
 
-namespace {
-
 /// The period of a sensor some of whose samples are lost is shorter than the mean interval of the
 /// others.
 void find_lost_samples(RestSamples& samples) {
@@ -215,8 +213,6 @@ void find_lost_samples(RestSamples& samples) {
   const auto period = core::Duration::nanoseconds(std::llround(mean_ns * (1.0 - lost.certain())));
   samples.mean_period = std::min(samples.mean_period, period);
 }
-
-}  // namespace
 
 RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& options) {
   constexpr std::uint64_t kProgressRows = 4096;

@@ -82,6 +82,10 @@ struct RestOptions {
 [[nodiscard]] RestSamples without(const RestSamples& samples,
                                   const std::vector<std::size_t>& indices);
 
+/// Shortens RestSamples::mean_period where some samples of the sensor are lost (LostShare). Throws
+/// recording::DataError where their stamps do not show which.
+void find_lost_samples(RestSamples& samples);
+
 /// Means over ticks by the node's own front end. Ticks without samples are absent: gaps and drives
 /// are the jumps of TickMean::tick.
 /// @param tick at least the sample period

@@ -116,6 +116,9 @@ std::int64_t SpreadRows::own_interval_ns() {
   const std::int64_t mean_ns = spread_rows_ > 0 ? spread_ns_ / spread_rows_ : 0;
   if (next_.empty()) return mean_ns;
   const std::int64_t interval_ns = next_.front().row.time_ns - group_.front().row.time_ns;
+  if (next_.front().row.findings.has(Finding::clock_step)) {
+    return std::min(mean_ns, interval_ns / rows);  // the pause behind it is made up
+  }
   const std::int64_t median_ns = intervals_.value_ns();
   const bool is_gap = median_ns > 0 && (interval_ns - 1) / kGapPeriods >= median_ns;
   intervals_.add(interval_ns);

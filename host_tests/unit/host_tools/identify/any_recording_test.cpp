@@ -160,6 +160,18 @@ void add_another_sensor(Rows& rows, Random& random) {
   rows = std::move(both);
 }
 
+/// A logger that polls faster than the sensor measures: at 110 to 400 Hz.
+void poll_faster(Rows& rows, Random& random) {
+  const std::int64_t poll_ns = kSecond_ns / whole(random, 110, 400);
+  Rows polled;
+  std::size_t newest = 0;
+  for (std::int64_t t = rows.front().time_ns; t <= rows.back().time_ns; t += poll_ns) {
+    while (newest + 1 < rows.size() && rows[newest + 1].time_ns <= t) ++newest;
+    polled.push_back({t, rows[newest].rate_dps});
+  }
+  rows = std::move(polled);
+}
+
 struct Mutilation {
   const char* name;
   void (*apply)(Rows&, Random&);
@@ -205,9 +217,14 @@ std::optional<double> walk_of(const Rows& rows, std::string& reason) {
   }
 }
 
-/// One to three kinds of damage, one after the other. Gives their names.
+/// One to three kinds of damage, one after the other, and in one recording of ten a fast logger
+/// before them. Gives their names.
 std::string damage(Rows& rows, Random& random) {
   std::string names;
+  if (whole(random, 1, 10) == 1) {
+    names = "poll faster";
+    poll_faster(rows, random);
+  }
   for (std::int64_t i = whole(random, 1, 3); i > 0; --i) {
     const auto which = static_cast<std::size_t>(
         whole(random, 0, static_cast<std::int64_t>(kMutilations.size()) - 1));
