@@ -132,7 +132,7 @@ void print_axis(const identify::AxisCharacterization& axis, bool is_verbose) {
   const auto& arw = axis.fit.angle_random_walk_rad_per_sqrt_s;
   fmt::print("\naxis {}\n", axis.axis);
   print_line("angle random walk N", identify::text(arw, kDegPerRad),
-             "deg/s/sqrt(Hz), the Allan deviation at 1 s; a rate noise density over sqrt(2)");
+             "deg/s/sqrt(Hz), of the white noise alone; a rate noise density over sqrt(2)");
   print_line("", identify::text(arw, 60.0 * kDegPerRad), "deg/sqrt(h)");
   print_flicker(axis.fit);
   if (is_verbose && axis.local_whittle_order) {

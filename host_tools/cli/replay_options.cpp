@@ -161,9 +161,10 @@ void print_scores(const evaluate::ReplayResult& result, const std::vector<std::s
 void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
   if (result.stop_scores[axes.front()].front().stops() == 0) return;
   fmt::print(
-      "\nBias predicted for each stop, less what the stop then measured (sigma: as predicted)\n"
-      "{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n",
-      "axis", "predictor", "stops", "error deg/h rms", "error sigmas", "coverage 95");
+      "\nBias predicted for each stop, less what its first {:.3g} s then measured (sigma: as "
+      "predicted)\n{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n",
+      result.stop_scores[axes.front()].front().measured_s(), "axis", "predictor", "stops",
+      "error deg/h rms", "error sigmas", "coverage 95");
   for (const std::size_t axis : axes) {
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.stop_scores[axis][static_cast<std::size_t>(predictor)];

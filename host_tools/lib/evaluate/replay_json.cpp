@@ -23,6 +23,7 @@ Json scores_json(const DriveScores& scores, const DriveScores& baseline, const S
     return is_truth_known ? number(figure) : Json(nullptr);
   };
   return {{"stops", stops.stops()},
+          {"stop_measured_s", number(stops.measured_s())},
           {"stop_error_rms_dph", number(stops.error_rms_rad_s() * units::kDphPerRadS)},
           {"stop_error_rms_sigmas", number(stops.error_rms_sigmas())},
           {"stop_coverage95", number(stops.coverage95())},

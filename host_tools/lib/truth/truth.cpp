@@ -222,4 +222,10 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
   return truth;
 }
 
+std::optional<Truth> read_truth(recording::Reader& reader, const TruthOptions& options) {
+  const recording::Columns& columns = reader.columns();
+  if (!columns.ref_heading && !columns.ref_rate && !columns.ref_speed) return std::nullopt;
+  return find_truth(read_track(reader), options);
+}
+
 }  // namespace zerorate::truth
