@@ -27,6 +27,7 @@ struct RunOptions {
   std::string recordings;
   std::string database = "fleet.sqlite";
   std::string shard = "1/1";
+  std::string lots;
   unsigned jobs = 1;
   std::string json;
 };
@@ -94,7 +95,8 @@ void print_summary(const RunOptions& options, const fleet::RunSummary& summary) 
 
 ExitCode run_run(const RunOptions& options) {
   fleet::RunOptions run{.shard = parse_shard(options.shard), .jobs = options.jobs};
-  const auto recordings = fleet::list_recordings(options.recordings);
+  auto recordings = fleet::list_recordings(options.recordings);
+  if (!options.lots.empty()) fleet::set_lots(recordings, options.lots);
   Database database{options.database, Database::Access::write};
   ProgressBar progress{"fleet"};
   run.on_progress = [&](const fleet::Progress& now) {
@@ -136,6 +138,9 @@ ExitCode run_report(const ReportOptions& options) {
 ExitCode run_prior(const PriorOptions& options) {
   const auto population =
       fleet::fit_population(Database{options.database, Database::Access::read}, {});
+  for (const std::string& warning : population.warnings) {
+    fmt::print(stderr, "zerorate: warning: {}\n", warning);
+  }
   const model::SensorModel model = fleet::type_model(population, options.name);
   write_text(options.model_out, model::format_model(model));
   if (options.model_out != "-") {
@@ -182,6 +187,9 @@ CLI::App* add_run(CLI::App& fleet, RunOptions& options) {
   command->add_option("--db", options.database, "database to write")->capture_default_str();
   command->add_option("--shard", options.shard, "I/N: the Ith of N parts of the work")
       ->capture_default_str();
+  command->add_option("--lots", options.lots,
+                      "lots of recordings without one in the list: folder (the one that each lies "
+                      "in), or a regular expression whose first group in the name is the lot");
   command->add_option("--jobs", options.jobs, "threads; 0: as many as the machine has")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
@@ -193,6 +201,8 @@ CLI::App* add_run(CLI::App& fleet, RunOptions& options) {
       "the database.\n"
       "Examples:\n"
       "  zerorate fleet run recordings/ --db fleet.sqlite --jobs 0\n"
+      "  zerorate fleet run recordings/ --lots folder\n"
+      "  zerorate fleet run recordings/ --lots '^([A-Z][0-9]+)_'\n"
       "  zerorate fleet run fleet.csv --db part3.sqlite --shard 3/8\n"
       "  zerorate fleet merge part*.sqlite --db fleet.sqlite");
   return command;

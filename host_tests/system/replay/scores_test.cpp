@@ -168,7 +168,7 @@ TEST(StopScoresOfTheCalibrationMean, EqualThoseByHand) {
   while (!moving.back()) moving.pop_back();
   rows.resize(moving.size());
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows);
-  // So little flicker that the prediction is sharper than any stop, which is then measured whole.
+  // A prediction sharper than any stop: each stop is then measured whole.
   model::SensorModel sharp = sensor_model();
   sharp.flicker->bias_instability_rad_s *= 1e-3;
   const Replayed replayed =

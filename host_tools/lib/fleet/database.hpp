@@ -37,6 +37,13 @@ inline constexpr const char* kListName = "fleet.csv";
 /// that names file, line and reason.
 [[nodiscard]] std::vector<Entry> list_recordings(const std::filesystem::path& folder_or_list);
 
+/// Sets the lots of recordings that the list gives none.
+/// @param rule  "folder": the folder that a recording lies in; else a regular expression
+///   (ECMAScript) whose first group, or whole match, in the name is the lot
+/// Throws std::invalid_argument for an expression that is none, and where a recording has no lot by
+/// the rule.
+void set_lots(std::vector<Entry>& recordings, const std::string& rule);
+
 /// Recording with its results.
 struct StoredRecording {
   std::string hash;

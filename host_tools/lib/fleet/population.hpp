@@ -24,6 +24,7 @@ struct Member {
   std::size_t lot = 0;        ///< index
   std::string axis;
   SensorEvidence evidence;
+  bool is_clean = false;    ///< diagnosed, and free of rare effects and of what is unexplained
   bool is_in_core = false;  ///< the population is fitted to it
 };
 
@@ -48,14 +49,23 @@ struct Sensor {
   bool has_changed = false;
 };
 
-/// One lot beside all others.
+/// Difference of a lot from the lots of the reference: of ln N, ln B or d. It is not drawn towards
+/// the population, as the estimates of single axes are.
+struct LotEffect {
+  double value = 0.0;
+  double lo = 0.0;  ///< 95 % interval
+  double hi = 0.0;
+};
+
+/// One lot beside the other lots of the reference.
 struct LotFigure {
   std::size_t lot = 0;
   std::string what;          ///< a coordinate, or "outliers"
-  double lot_value = 0.0;    ///< median of the lot's sensors, SI; share of the outliers
-  double other_value = 0.0;  ///< value of the other sensors
+  double lot_value = 0.0;    ///< middle of the lot's sensors, SI; share of the outliers
+  double other_value = 0.0;  ///< value of the sensors of the reference
   double p_value = 1.0;
-  bool differs = false;  ///< the lot differs, and this figure alone shows it
+  bool differs = false;             ///< the lot differs, and this figure alone shows it
+  std::optional<LotEffect> effect;  ///< nullopt where the recordings do not determine it
 };
 
 struct Lot {
@@ -63,6 +73,7 @@ struct Lot {
   std::size_t sensors = 0;
   double q_value = 1.0;  ///< false discovery rate at which the lot is named
   bool differs = false;
+  bool is_reference = false;  ///< other lots are compared with it
 };
 
 /// An effect in the fleet.
@@ -87,9 +98,10 @@ struct Population {
   std::vector<LotFigure> lot_figures;  ///< the least p-value first
   std::vector<EffectCount> effects;    ///< the most frequent first
   std::vector<StoredRecording> bad;
-  Normal distribution;               ///< distribution of the core
-  Point mean_error = Point::Zero();  ///< standard errors of the mean, sensors being independent
-  std::size_t core = 0;              ///< axes
+  std::vector<std::string> warnings;  ///< weaknesses of what the figures rest on
+  Normal distribution;                ///< distribution of the core
+  Point mean_error = Point::Zero();   ///< standard errors of the mean, sensors being independent
+  std::size_t core = 0;               ///< axes
   /// Weights of the cells of Grid over the core: nonparametric maximum likelihood.
   std::vector<double> weights;
   PopulationOptions options;
@@ -99,18 +111,14 @@ struct Population {
 
 /// Fits the population of a database, by expectation and maximisation over each axis's likelihood:
 /// errors of the recordings widen nothing. Sensors with rare effects, far from the rest or
-/// of a lot that differs are left out of the fit and are judged by it.
+/// of a lot that differs are left out of the fit and are judged by it; where fewer than 8 axes are
+/// left, less is asked of them, with a warning.
 /// Memory: some 10 kB an axis. Throws std::runtime_error with fewer than 8 usable axes.
 [[nodiscard]] Population fit_population(const Database& database, const PopulationOptions& options);
 
 /// Model of the next sensor of this type: medians of the population, and [prior] as wide as the
 /// population, less certain where few sensors were seen.
 [[nodiscard]] model::SensorModel type_model(const Population& population, const std::string& name);
-
-/// Compares each lot with all others, figure by figure: rank sums (Mann and Whitney 1947) of the
-/// sensors' noise, and the share of outliers (Fisher's exact test). The least p-value of a lot,
-/// times the number of its figures, is that of the lot. Sets the lots and their figures.
-void compare_lots(Population& population);
 
 /// q-values in the order of the tests: the least false discovery rate at which each of them is
 /// named (Benjamini and Hochberg 1995).

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <mutex>
 #include <optional>
+#include <regex>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -154,6 +155,16 @@ std::vector<Entry> search(const fs::path& folder) {
   return entries;
 }
 
+std::regex pattern_of(const std::string& rule) {
+  try {
+    return std::regex{rule};
+  } catch (const std::regex_error& error) {
+    throw std::invalid_argument(fmt::format(
+        "--lots {}: expected \"folder\" or a regular expression, such as '^(L[0-9]+)_': {}", rule,
+        error.what()));
+  }
+}
+
 /// One run: threads analyse, and one of them at a time writes.
 class Run {
  public:
@@ -278,6 +289,27 @@ std::vector<Entry> list_recordings(const fs::path& folder_or_list) {
   }
   std::ranges::sort(entries, {}, &Entry::name);
   return entries;
+}
+
+void set_lots(std::vector<Entry>& recordings, const std::string& rule) {
+  const bool is_by_folder = rule == "folder";
+  const std::regex pattern = is_by_folder ? std::regex{} : pattern_of(rule);
+  for (Entry& one : recordings) {
+    if (!one.lot.empty()) continue;
+    std::smatch match;
+    if (is_by_folder) {
+      one.lot = fs::path(one.name).parent_path().filename().string();
+    } else if (std::regex_search(one.name, match, pattern)) {
+      one.lot = match[match.size() > 1 ? 1 : 0];
+    }
+    if (one.lot.empty()) {
+      throw std::invalid_argument(fmt::format(
+          "--lots {}: {} {}", rule, one.name,
+          is_by_folder ? "lies in no folder of its own; sort the recordings into one folder a lot"
+                       : "does not match, or its lot is empty; the expression has to match every "
+                         "name"));
+    }
+  }
 }
 
 RunSummary run(const std::vector<Entry>& recordings, Database& database,
