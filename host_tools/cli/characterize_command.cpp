@@ -98,6 +98,7 @@ identify::Characterization run_identification(const CharacterizeOptions& options
       .order = order,
       .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }};
   identify::Characterization result = identify::characterize(samples, settings);
+  if (options.still_from == "gyro") identify::require_noise_of_rest(result);
   result.doubts = std::move(doubts);
   if (options.others.empty()) return result;
   const std::vector<identify::RestSamples> others = read_others(options, result.doubts);

@@ -13,6 +13,7 @@
 #include "firmware/model/model_file.hpp"
 #include "hal/linux/standard_output.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/fleet/database.hpp"
@@ -25,6 +26,8 @@ using fleet::Database;
 
 struct RunOptions {
   std::string recordings;
+  InputFlags format;
+  std::string axis = "all";
   std::string database = "fleet.sqlite";
   std::string shard = "1/1";
   std::string lots;
@@ -53,7 +56,8 @@ struct PriorOptions {
 };
 
 struct AcceptOptions {
-  std::string recording;
+  InputFlags input;
+  std::string axis = "all";
   std::string limits;
   std::string json;
 };
@@ -94,10 +98,16 @@ void print_summary(const RunOptions& options, const fleet::RunSummary& summary) 
 }
 
 ExitCode run_run(const RunOptions& options) {
-  fleet::RunOptions run{.shard = parse_shard(options.shard), .jobs = options.jobs};
+  fleet::RunOptions run{.shard = parse_shard(options.shard),
+                        .jobs = options.jobs,
+                        .format = to_input(options.format),
+                        .axis = options.axis};
   auto recordings = fleet::list_recordings(options.recordings);
   if (!options.lots.empty()) fleet::set_lots(recordings, options.lots);
   Database database{options.database, Database::Access::write};
+  const std::string format = to_text(options.format);
+  database.require_format(
+      options.axis == "all" ? format : fmt::format("--axis {} {}", options.axis, format));
   ProgressBar progress{"fleet"};
   run.on_progress = [&](const fleet::Progress& now) {
     progress.update(static_cast<double>(now.analysed) / static_cast<double>(now.to_analyse),
@@ -152,14 +162,14 @@ ExitCode run_prior(const PriorOptions& options) {
 
 ExitCode run_accept(const AcceptOptions& options) {
   const fleet::Acceptance acceptance =
-      fleet::accept(options.recording, fleet::read_limits(options.limits));
+      fleet::accept(to_input(options.input), fleet::read_limits(options.limits), options.axis);
   if (!options.json.empty()) {
-    write_text(
-        options.json,
-        fleet::to_json(acceptance, std::filesystem::path(options.recording).filename().string()));
+    write_text(options.json,
+               fleet::to_json(acceptance,
+                              std::filesystem::path(options.input.recording).filename().string()));
   }
   if (options.json != "-") {
-    fmt::print("{}: {}\n", options.recording,
+    fmt::print("{}: {}\n", options.input.recording,
                acceptance.judgement == fleet::Judgement::too_short ? "too short to decide"
                                                                    : name(acceptance.judgement));
     for (const std::string& reason : acceptance.reasons) fmt::print("  {}\n", reason);
@@ -185,6 +195,8 @@ CLI::App* add_run(CLI::App& fleet, RunOptions& options) {
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("--db", options.database, "database to write")->capture_default_str();
+  add_axis_option(*command, options.axis);
+  add_format_options(*command, options.format);
   command->add_option("--shard", options.shard, "I/N: the Ith of N parts of the work")
       ->capture_default_str();
   command->add_option("--lots", options.lots,
@@ -301,9 +313,8 @@ Command add_fleet(CLI::App& app) {
 Command add_accept(CLI::App& app) {
   auto* command = app.add_subcommand("accept", "End-of-line test: one recording against limits");
   const auto options = std::make_shared<AcceptOptions>();
-  command->add_option("recording", options->recording, "recording at rest")
-      ->type_name("RECORDING")
-      ->required();
+  add_input_options(*command, options->input);
+  add_axis_option(*command, options->axis);
   command
       ->add_option("--limits", options->limits,
                    "limits, as 'zerorate fleet report --limits-out' writes them")

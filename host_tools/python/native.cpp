@@ -49,6 +49,7 @@ Outcome characterize(const Source& source, const std::string& name, const std::s
   std::vector<std::string> doubts = identify::require_rest(samples);
   identify::Characterization result =
       identify::characterize(samples, {.recording = name, .axes = axes, .order = order});
+  if (still_from == "gyro") identify::require_noise_of_rest(result);
   result.doubts = doubts;
   std::map<std::string, std::string> models;
   for (const auto& one : result.axes) models[one.axis] = model::format_model(one.model);

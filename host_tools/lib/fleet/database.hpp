@@ -64,6 +64,10 @@ class Database {
   /// results of two are not comparable.
   Database(const std::filesystem::path& path, Access access);
 
+  /// Remembers how recordings are read: options as typed, empty for none. Refuses a database whose
+  /// recordings were read otherwise: the results would not be comparable.
+  void require_format(const std::string& options);
+
   /// Version of the program and of its analysis.
   [[nodiscard]] static std::string engine();
 
@@ -88,6 +92,7 @@ class Database {
     void operator()(sqlite3* database) const;
   };
 
+  [[nodiscard]] std::string format() const;
   void check_engine(Access access);
   void execute(const std::string& statements) const;
 
@@ -115,7 +120,9 @@ struct Progress {
 
 struct RunOptions {
   Shard shard;
-  unsigned jobs = 1;  ///< threads; 0: as many as the machine has
+  unsigned jobs = 1;          ///< threads; 0: as many as the machine has
+  recording::Input format{};  ///< layout of every recording; its path does not count
+  std::string axis = "all";   ///< x, y, z or all
   std::function<void(const Progress&)> on_progress;
 };
 

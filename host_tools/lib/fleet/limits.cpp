@@ -225,8 +225,8 @@ std::string_view name(Judgement judgement) {
   return "";
 }
 
-Acceptance accept(const std::filesystem::path& recording, const Limits& limits) {
-  recording::Reader reader{recording::Input{recording}};
+Acceptance accept(const recording::Input& recording, const Limits& limits, std::string_view which) {
+  recording::Reader reader{recording};
   const identify::RestSamples samples = read_population_samples(reader);
   // Periods of the samples together. Stamps at the ends may hide one more.
   const double period_s = units::seconds(samples.mean_period.ns());
@@ -238,7 +238,7 @@ Acceptance accept(const std::filesystem::path& recording, const Limits& limits) 
                                              units::in_figures(limits.shortest_s, 4)));
     return acceptance;
   }
-  for (const AxisResult& axis : noise_of(samples)) {
+  for (const AxisResult& axis : noise_of(samples, which)) {
     judge_noise(axis, limits, acceptance.figures);
     if (!limits.mean_rate_rad_s) continue;
     // It is the mean of the recording, not a forecast of the next hour's.

@@ -188,8 +188,10 @@ struct Acceptance {
 /// Judges a recording at rest. A figure fails where its 95 % interval lies outside of the limits,
 /// passes where it lies inside, and is too short to decide where a limit lies in between. One
 /// figure that fails fails the sensor. B and d are judged together, by the likelihood on the grid.
+/// @param axis  x, y, z or all
 /// Cost: below a second for three axes of 6,000 samples. Throws recording::DataError.
-[[nodiscard]] Acceptance accept(const std::filesystem::path& recording, const Limits& limits);
+[[nodiscard]] Acceptance accept(const recording::Input& recording, const Limits& limits,
+                                std::string_view axis = "all");
 
 [[nodiscard]] std::string to_json(const Acceptance& acceptance, const std::string& recording);
 

@@ -246,15 +246,17 @@ class Run {
   /// Analyses a recording again that seems to be wrong, with its content still there: a share that
   /// drops out for a moment would make it bad for ever, because results are kept by content. Throws
   /// std::system_error where the content is another.
-  static void analyse_again_if_away(StoredRecording& one) {
+  void analyse_again_if_away(StoredRecording& one) const {
+    recording::Input input = options_.format;
+    input.path = one.entry.path;
     try {
-      one.result = analyse(one.entry.path);
+      one.result = analyse(input, options_.axis);
     } catch (const recording::DataError&) {
       if (content_hash(one.entry.path) != one.hash) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again),
                                 one.entry.path.string() + ": changed while it was read");
       }
-      one.result = analyse(one.entry.path);
+      one.result = analyse(input, options_.axis);
     }
   }
 

@@ -280,6 +280,22 @@ TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamples) {
   EXPECT_NEAR(sum / 24.0, 0.0, 3.0 * 0.03 / std::sqrt(24.0));
 }
 
+TEST_F(Fleet, RecordingsReadOtherwiseNeedAnotherDatabase) {
+  const StoredRecording recording{.hash = "h", .entry = {.name = "a.csv", .sensor = "a"}};
+  for (const std::string name : {"a", "b"}) {
+    Database database{path(name), Database::Access::write};
+    database.require_format(name == "a" ? "--units rate=radps" : "");
+    database.store(recording);
+    database.require_format(name == "a" ? "--units rate=radps" : "");
+    EXPECT_THAT([&] { database.require_format("--axis z"); },
+                ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("--axis z")));
+  }
+  EXPECT_THROW(merge({path("a"), path("b")}, path("c")), std::runtime_error);
+  merge({path("a")}, path("c"));
+  EXPECT_NO_THROW(
+      (Database{path("c"), Database::Access::write}.require_format("--units rate=radps")));
+}
+
 TEST_F(Fleet, WhatIsNoDatabaseIsRefusedAndStaysAsItIs) {
   write(path("notes.sqlite"), "not a database");
   EXPECT_THROW((Database{path("notes.sqlite"), Database::Access::write}), std::runtime_error);
