@@ -91,7 +91,8 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
     }
     Json& of_axis = json["axes"][axis_name(result, axis)];
     of_axis["predictors"] = std::move(predictors);
-    of_axis["learnt"] = result.learnt ? learnt_json(learnt_model((*result.learnt)[axis])) : nullptr;
+    of_axis["learnt"] =
+        result.learnt ? learnt_json(learnt_model((*result.learnt)[axis], result.mesh)) : nullptr;
   }
   if (result.learnt_motion) json["learnt_motion"] = learnt_motion_json(*result.learnt_motion);
   if (result.true_drives) {

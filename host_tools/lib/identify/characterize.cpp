@@ -27,7 +27,7 @@ double seconds(core::Duration duration) {
 }
 
 double time_at_rest(const RestSamples& samples) {
-  core::Duration rest = samples.mean_period;  // that of the first sample
+  core::Duration rest = samples.mean_period;  // the first sample has one, too
   for (std::size_t k = 1; k < samples.time.size(); ++k) {
     const bool is_after_drive = std::ranges::binary_search(samples.after_drives, k);
     rest = rest + (is_after_drive ? samples.mean_period : samples.time[k] - samples.time[k - 1]);
