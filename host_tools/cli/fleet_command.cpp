@@ -33,6 +33,7 @@ struct RunOptions {
   std::string lots;
   unsigned jobs = 1;
   std::string json;
+  bool alarms = false;
 };
 
 struct MergeOptions {
@@ -47,6 +48,8 @@ struct ReportOptions {
   std::string csv;
   std::string limits_out;
   double test_s = 0.0;
+  std::vector<std::string> fail_on;
+  bool alarms = false;
 };
 
 struct PriorOptions {
@@ -117,7 +120,8 @@ ExitCode run_run(const RunOptions& options) {
   const fleet::RunSummary summary = fleet::run(recordings, database, run);
   if (!options.json.empty()) write_text(options.json, to_json(summary));
   if (options.json != "-") print_summary(options, summary);
-  return summary.total > 0 && summary.bad.size() == summary.total ? bad_data : success;
+  if (summary.total > 0 && summary.bad.size() == summary.total) return bad_data;
+  return options.alarms && !summary.bad.empty() ? finding : success;
 }
 
 ExitCode run_merge(const MergeOptions& options) {
@@ -125,6 +129,14 @@ ExitCode run_merge(const MergeOptions& options) {
   fmt::print("{}: {} recordings\n", options.database,
              Database{options.database, Database::Access::read}.size());
   return success;
+}
+
+/// Whether a scheduled job has something to report.
+bool has_findings(const fleet::Population& population) {
+  return !population.bad.empty() || !population.warnings.empty() ||
+         std::ranges::any_of(population.sensors, &fleet::Sensor::is_outlier) ||
+         std::ranges::any_of(population.sensors, &fleet::Sensor::has_changed) ||
+         std::ranges::any_of(population.lots, &fleet::Lot::differs);
 }
 
 ExitCode run_report(const ReportOptions& options) {
@@ -138,11 +150,14 @@ ExitCode run_report(const ReportOptions& options) {
   }
   if (!options.csv.empty()) write_text(options.csv, fleet::to_csv(population));
   if (!options.limits_out.empty()) {
-    write_text(options.limits_out,
-               fleet::format_limits(fleet::limits_of(population, options.test_s)));
+    fleet::Limits limits = fleet::limits_of(population, options.test_s);
+    limits.fail_on = options.fail_on;
+    const std::string text = fleet::format_limits(limits);
+    static_cast<void>(fleet::parse_limits(text, options.limits_out));  // an effect may be misspelt
+    write_text(options.limits_out, text);
   }
   if (options.outputs.prints_text()) fmt::print("{}", fleet::to_text(population));
-  return success;
+  return options.alarms && has_findings(population) ? finding : success;
 }
 
 ExitCode run_prior(const PriorOptions& options) {
@@ -206,11 +221,12 @@ CLI::App* add_run(CLI::App& fleet, RunOptions& options) {
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--json", options.json, "write the summary as JSON; - is standard output");
+  command->add_flag("--alarm", options.alarms, "exit code 1 where a recording cannot be used");
   command->footer(
       "Recordings that the database holds already are not analysed again, so that a run that was\n"
       "killed goes on where it was. Recordings that cannot be used are listed with the reason.\n"
-      "Exit codes: 0 done, 2 wrong usage, 3 no recording could be used, or another engine wrote\n"
-      "the database.\n"
+      "Exit codes: 0 done, 1 with --alarm: a recording cannot be used, 2 wrong usage, 3 no\n"
+      "recording could be used, or another engine wrote the database.\n"
       "Examples:\n"
       "  zerorate fleet run recordings/ --db fleet.sqlite --jobs 0\n"
       "  zerorate fleet run recordings/ --lots folder\n"
@@ -250,9 +266,17 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
                       "write the limits for 'zerorate accept'; - is standard output");
   command
       ->add_option("--test-s", options.test_s,
-                   "with --limits-out: length of the test [s]; figures that it cannot decide have "
-                   "no limits")
+                   "with --limits-out: length of the test [s], whose errors the limits allow for; "
+                   "figures that it cannot decide have no limits")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--fail-on", options.fail_on,
+                   "with --limits-out: effects of the diagnosis that fail a sensor, as in "
+                   "periodic_disturbance,bias_jump")
+      ->delimiter(',');
+  command->add_flag("--alarm", options.alarms,
+                    "exit code 1 where sensors leave the population or changed, lots differ, "
+                    "recordings cannot be used, or a warning is given");
   command
       ->add_option("--fdr", options.population.false_discovery_rate,
                    "false discovery rate of sensors, lots and changes")
@@ -264,7 +288,8 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->footer(
-      "Exit codes: 0 done, 2 wrong usage, 3 too few recordings, or another engine wrote them.\n"
+      "Exit codes: 0 done, 1 with --alarm: something was found, 2 wrong usage, 3 too few\n"
+      "recordings, or another engine wrote them.\n"
       "Examples:\n"
       "  zerorate fleet report --db fleet.sqlite --report fleet.html\n"
       "  zerorate fleet report --db fleet.sqlite --json - --csv axes.csv\n"

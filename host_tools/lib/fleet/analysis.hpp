@@ -140,6 +140,14 @@ struct AxisLikelihood {
 };
 [[nodiscard]] AxisLikelihood likelihood_of(const AxisResult& axis);
 
+/// Likeliest value of a coordinate, and the ends of the 95 % interval of its profile likelihood.
+struct Profile {
+  double best = 0.0;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+[[nodiscard]] Profile profile_of(const AxisLikelihood& axis, int coordinate);
+
 /// Normal population of the greatest likelihood, by expectation and maximisation from a first guess
 /// (Dempster, Laird and Rubin 1977): each step is a sum over the axes.
 /// @param is_in  which axes count

@@ -208,9 +208,12 @@ class Fit {
       if (!one.problem.empty()) return;
       for (const AxisResult& axis : one.result.axes) {
         Member& judged = population_.members[member];
-        judged.evidence =
-            evidence_of(member < likelihoods_.size() ? likelihoods_[member] : likelihood_of(axis),
-                        population_.distribution);
+        const AxisLikelihood likelihood =
+            member < likelihoods_.size() ? likelihoods_[member] : likelihood_of(axis);
+        judged.evidence = evidence_of(likelihood, population_.distribution);
+        for (int i = 0; i < kCoordinates; ++i) {
+          judged.profiles[static_cast<std::size_t>(i)] = profile_of(likelihood, i);
+        }
         ++member;
       }
     });

@@ -4,6 +4,7 @@
 /// formulas.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -24,6 +25,7 @@ struct Member {
   std::size_t lot = 0;        ///< index
   std::string axis;
   SensorEvidence evidence;
+  std::array<Profile, kCoordinates> profiles;
   bool is_clean = false;    ///< diagnosed, and free of rare effects and of what is unexplained
   bool is_in_core = false;  ///< the population is fitted to it
 };
@@ -148,13 +150,14 @@ struct Limits {
   std::optional<Range> bias_instability_rad_s;
   std::optional<Range> order;
   std::optional<Range> mean_rate_rad_s;
+  std::vector<std::string> fail_on;  ///< effects that fail a sensor; they take a diagnosis
   std::vector<std::string> remarks;  ///< comments of the file
 };
 
 /// Limits that all but one in a thousand axes of the population keep, normal tails assumed.
-/// @param test_s  length of the test: figures that a recording of this length cannot separate from
-/// its
-///   limits are left out, with a remark; 0: none is
+/// @param test_s  length of the test, whose errors are then allowed for, so that at most one good
+///   sensor in twenty is too short to decide; a figure that it cannot decide is left out, with a
+///   remark. 0: no errors are allowed for
 [[nodiscard]] Limits limits_of(const Population& population, double test_s);
 
 /// Limits as TOML; docs/reference/fleets.md has the format.
@@ -182,7 +185,7 @@ struct Acceptance {
   Judgement judgement = Judgement::pass;
   double rest_s = 0.0;
   std::vector<JudgedFigure> figures;
-  std::vector<std::string> reasons;  ///< why it fails, or is too short
+  std::vector<std::string> reasons;  ///< why it is judged so
 };
 
 /// Judges a recording at rest. A figure fails where its 95 % interval lies outside of the limits,

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -156,6 +157,34 @@ TEST_F(FleetStatistics, LimitsOfAShortTestLeaveOutWhatItCannotTell) {
   const Limits read = parse_limits(format_limits(all), "limits.toml");
   EXPECT_NEAR(read.bias_instability_rad_s->hi / all.bias_instability_rad_s->hi, 1.0, 1e-5);
   EXPECT_NEAR(read.order->lo, all.order->lo, 1e-5);
+}
+
+TEST_F(FleetStatistics, LimitsForALengthDecideNearlyEverySensor) {
+  const Population& population = usual_population();
+  const Limits limits = limits_of(population, 1000.0);
+  ASSERT_TRUE(limits.angle_random_walk_rad_per_sqrt_s);
+  ASSERT_TRUE(limits.bias_instability_rad_s);
+  EXPECT_EQ(limits.bias_instability_rad_s->lo, 0.0);  // a quiet sensor is not bad
+  std::set<std::size_t> undecided;
+  for (const Member& member : population.members) {
+    const auto is_inside = [&](std::size_t coordinate, const Range& range) {
+      return range.lo <= std::exp(member.profiles[coordinate].lo) &&
+             std::exp(member.profiles[coordinate].hi) <= range.hi;
+    };
+    if (!is_inside(0, *limits.angle_random_walk_rad_per_sqrt_s) ||
+        !is_inside(1, *limits.bias_instability_rad_s)) {
+      undecided.insert(member.sensor);
+    }
+  }
+  EXPECT_LE(undecided.size(), 20U);  // one in twenty of 400
+}
+
+TEST(Limits, EffectsThatFailASensorAreKnown) {
+  const Limits limits{.fail_on = {"bias_jump", "saturation"}};
+  EXPECT_EQ(parse_limits(format_limits(limits), "limits.toml").fail_on, limits.fail_on);
+  EXPECT_THAT(
+      [] { (void)parse_limits("schema = \"zerorate.limits/1\"\nfail_on = [\"jump\"]\n", "l"); },
+      ::testing::ThrowsMessage<toml_file::Error>(HasSubstr("bias_jump")));
 }
 
 TEST(Limits, MistakesAreNamedWithTheirLine) {
@@ -317,6 +346,9 @@ TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
         .judgement;
   };
   EXPECT_EQ(judgement(0.4, 2.5), Judgement::pass);
+  // A diagnosis of a sensor without an effect changes nothing.
+  EXPECT_EQ(accept(recording, {.fail_on = {"bias_jump", "periodic_disturbance"}}).judgement,
+            Judgement::pass);
   EXPECT_EQ(judgement(3.0, 5.0), Judgement::fail);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.1}).judgement, Judgement::too_short);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.0}).judgement, Judgement::pass);  // 59.99 s apart
