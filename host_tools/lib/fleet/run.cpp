@@ -180,6 +180,9 @@ class Run {
     parallel::for_each(todo_.size(), options_.jobs, [&](std::size_t i) { hash(todo_[i]); }, {});
     leave_out_repeated();
     leave_out_done();
+    // Files that are gone for a moment are looked for again after all others.
+    std::ranges::stable_partition(
+        todo_, [](const StoredRecording& one) { return one.problem.empty(); });
     report_progress();
     parallel::for_each(todo_.size(), options_.jobs, [&](std::size_t i) { take(todo_[i]); }, {});
     summary_.seconds = seconds();
@@ -225,6 +228,10 @@ class Run {
   }
 
   void take(StoredRecording& one) {
+    if (!one.problem.empty()) {
+      one.problem.clear();
+      hash(one);
+    }
     if (one.problem.empty()) {
       try {
         analyse_again_if_away(one);

@@ -27,10 +27,13 @@ double seconds(core::Duration duration) {
 }
 
 double time_at_rest(const RestSamples& samples) {
+  const core::Duration hole =
+      std::max(core::Duration::nanoseconds(recording::kShortestHole), samples.mean_period * 2);
   core::Duration rest = samples.mean_period;  // the first sample has one, too
   for (std::size_t k = 1; k < samples.time.size(); ++k) {
-    const bool is_after_drive = std::ranges::binary_search(samples.after_drives, k);
-    rest = rest + (is_after_drive ? samples.mean_period : samples.time[k] - samples.time[k - 1]);
+    const core::Duration interval = samples.time[k] - samples.time[k - 1];
+    const bool is_apart = interval > hole || std::ranges::binary_search(samples.after_drives, k);
+    rest = rest + (is_apart ? samples.mean_period : interval);
   }
   return seconds(rest);
 }

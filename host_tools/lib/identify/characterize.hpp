@@ -64,7 +64,7 @@ struct Characterization {
   core::Duration sample_period;       ///< the mean, see RestSamples
   core::Duration tick;
   std::size_t ticks = 0;  ///< with samples at rest
-  double rest_s = 0.0;    ///< time between samples that no drive or pause separates, together
+  double rest_s = 0.0;    ///< time between samples that no drive, pause or hole separates
   std::vector<AxisCharacterization> axes;
   std::vector<std::string> further_recordings;  ///< recordings that the axes were compared with
   std::vector<Sameness> sameness;  ///< sameness of each axis; none without further recordings
