@@ -105,6 +105,7 @@ void diagnose_axes(const identify::RestSamples& samples, const std::vector<std::
     return *std::ranges::find(result.axes, axis, &AxisResult::axis);
   };
   std::vector<diagnose::Record> records;
+  records.reserve(axes.size());
   for (const std::size_t axis : axes) {
     records.push_back(diagnose::record_of(samples, axis));
   }

@@ -199,6 +199,7 @@ std::vector<std::string> read_fail_on(toml_file::StrictTable& top) {
   const toml::node* const node = top.find("fail_on", kWords, toml_file::Presence::optional);
   if (node == nullptr) return effects;
   std::vector<std::string> known;
+  known.reserve(diagnose::kEffects.size());
   for (const auto make : diagnose::kEffects) known.emplace_back(make()->name());
   if (node->as_array() == nullptr) top.fail_at("fail_on", fmt::format("expected {}", kWords));
   for (const toml::node& element : *node->as_array()) {

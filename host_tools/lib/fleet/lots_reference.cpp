@@ -38,7 +38,7 @@ class Centres {
       centres_.push_back({.lot = lot,
                           .sensors = static_cast<double>(of_lots[lot].size()),
                           .centre = median_of(of_lots[lot])});
-      for (const Point& one : of_lots[lot]) residuals_.push_back(one - centres_.back().centre);
+      for (const Point& one : of_lots[lot]) residuals_.emplace_back(one - centres_.back().centre);
       owners_.resize(residuals_.size(), centres_.size() - 1);
     }
     limit_pulls();

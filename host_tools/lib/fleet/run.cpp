@@ -181,8 +181,8 @@ class Run {
     leave_out_repeated();
     leave_out_done();
     // Files that are gone for a moment are looked for again after all others.
-    std::ranges::stable_partition(
-        todo_, [](const StoredRecording& one) { return one.problem.empty(); });
+    std::stable_partition(todo_.begin(), todo_.end(),
+                          [](const StoredRecording& one) { return one.problem.empty(); });
     report_progress();
     parallel::for_each(todo_.size(), options_.jobs, [&](std::size_t i) { take(todo_[i]); }, {});
     summary_.seconds = seconds();

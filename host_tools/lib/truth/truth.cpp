@@ -14,8 +14,6 @@
 namespace zerorate::truth {
 namespace {
 
-using units::kRadPerDeg;
-
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kSecond = 1'000'000'000;
 
