@@ -99,6 +99,7 @@ identify::Characterization run_identification(const CharacterizeOptions& options
       .order = order,
       .on_progress = [&](double share) { progress.update(0.5 + 0.5 * share); }};
   identify::Characterization result = identify::characterize(samples, settings);
+  if (options.still_from == "gyro") identify::require_noise_of_rest(result);
   result.doubts = std::move(doubts);
   if (options.others.empty()) return result;
   const std::vector<identify::RestSamples> others = read_others(options, result.doubts);
@@ -133,7 +134,7 @@ void print_axis(const identify::AxisCharacterization& axis, bool is_verbose) {
   const auto& arw = axis.fit.angle_random_walk_rad_per_sqrt_s;
   fmt::print("\naxis {}\n", axis.axis);
   print_line("angle random walk N", identify::text(arw, kDegPerRad),
-             "deg/s/sqrt(Hz), the Allan deviation at 1 s; a rate noise density over sqrt(2)");
+             "deg/s/sqrt(Hz), of the white noise alone; a rate noise density over sqrt(2)");
   print_line("", identify::text(arw, 60.0 * kDegPerRad), "deg/sqrt(h)");
   print_flicker(axis.fit);
   if (is_verbose && axis.local_whittle_order) {

@@ -10,6 +10,7 @@
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 struct EvaluateOptions {
   std::vector<std::string> recordings;
+  InputFlags format;
   std::vector<std::string> schedules{"15/60", "30/120", "60/300", "20/300", "120/600"};
   std::string fit_on = "other";
   std::string fit_by = "characterization";
@@ -74,6 +76,7 @@ ExitCode run_evaluate(EvaluateOptions options) {
   for (const std::string& text : options.schedules) {
     options.contest.schedules.push_back(schedule_of(text));
   }
+  options.contest.format = to_input(options.format);
   options.contest.fit_on =
       options.fit_on == "other" ? contest::FitOn::other : contest::FitOn::itself;
   options.contest.fit_by =
@@ -102,6 +105,8 @@ Command add_evaluate(CLI::App& app) {
   drives->add_option("RECORDING", options->recordings, "CSV or CSV.gz files, made at rest")
       ->required()
       ->check(CLI::ExistingFile);
+  add_axis_option(*drives, options->contest.axis);
+  add_format_options(*drives, options->format);
   drives->add_option("--schedules", options->schedules, "mean lengths STOP/DRIVE [s]")
       ->delimiter(',')
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "firmware/model/model_file.hpp"
 #include "hal/linux/standard_output.hpp"
 #include "host_tools/cli/commands.hpp"
+#include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/fleet/database.hpp"
@@ -25,10 +26,14 @@ using fleet::Database;
 
 struct RunOptions {
   std::string recordings;
+  InputFlags format;
+  std::string axis = "all";
   std::string database = "fleet.sqlite";
   std::string shard = "1/1";
+  std::string lots;
   unsigned jobs = 1;
   std::string json;
+  bool alarms = false;
 };
 
 struct MergeOptions {
@@ -43,6 +48,8 @@ struct ReportOptions {
   std::string csv;
   std::string limits_out;
   double test_s = 0.0;
+  std::vector<std::string> fail_on;
+  bool alarms = false;
 };
 
 struct PriorOptions {
@@ -52,7 +59,8 @@ struct PriorOptions {
 };
 
 struct AcceptOptions {
-  std::string recording;
+  InputFlags input;
+  std::string axis = "all";
   std::string limits;
   std::string json;
 };
@@ -93,9 +101,16 @@ void print_summary(const RunOptions& options, const fleet::RunSummary& summary) 
 }
 
 ExitCode run_run(const RunOptions& options) {
-  fleet::RunOptions run{.shard = parse_shard(options.shard), .jobs = options.jobs};
-  const auto recordings = fleet::list_recordings(options.recordings);
+  fleet::RunOptions run{.shard = parse_shard(options.shard),
+                        .jobs = options.jobs,
+                        .format = to_input(options.format),
+                        .axis = options.axis};
+  auto recordings = fleet::list_recordings(options.recordings);
+  if (!options.lots.empty()) fleet::set_lots(recordings, options.lots);
   Database database{options.database, Database::Access::write};
+  const std::string format = to_text(options.format);
+  database.require_format(
+      options.axis == "all" ? format : fmt::format("--axis {} {}", options.axis, format));
   ProgressBar progress{"fleet"};
   run.on_progress = [&](const fleet::Progress& now) {
     progress.update(static_cast<double>(now.analysed) / static_cast<double>(now.to_analyse),
@@ -105,7 +120,8 @@ ExitCode run_run(const RunOptions& options) {
   const fleet::RunSummary summary = fleet::run(recordings, database, run);
   if (!options.json.empty()) write_text(options.json, to_json(summary));
   if (options.json != "-") print_summary(options, summary);
-  return summary.total > 0 && summary.bad.size() == summary.total ? bad_data : success;
+  if (summary.total > 0 && summary.bad.size() == summary.total) return bad_data;
+  return options.alarms && !summary.bad.empty() ? finding : success;
 }
 
 ExitCode run_merge(const MergeOptions& options) {
@@ -113,6 +129,14 @@ ExitCode run_merge(const MergeOptions& options) {
   fmt::print("{}: {} recordings\n", options.database,
              Database{options.database, Database::Access::read}.size());
   return success;
+}
+
+/// Whether a scheduled job has something to report.
+bool has_findings(const fleet::Population& population) {
+  return !population.bad.empty() || !population.warnings.empty() ||
+         std::ranges::any_of(population.sensors, &fleet::Sensor::is_outlier) ||
+         std::ranges::any_of(population.sensors, &fleet::Sensor::has_changed) ||
+         std::ranges::any_of(population.lots, &fleet::Lot::differs);
 }
 
 ExitCode run_report(const ReportOptions& options) {
@@ -126,16 +150,22 @@ ExitCode run_report(const ReportOptions& options) {
   }
   if (!options.csv.empty()) write_text(options.csv, fleet::to_csv(population));
   if (!options.limits_out.empty()) {
-    write_text(options.limits_out,
-               fleet::format_limits(fleet::limits_of(population, options.test_s)));
+    fleet::Limits limits = fleet::limits_of(population, options.test_s);
+    limits.fail_on = options.fail_on;
+    const std::string text = fleet::format_limits(limits);
+    static_cast<void>(fleet::parse_limits(text, options.limits_out));  // an effect may be misspelt
+    write_text(options.limits_out, text);
   }
   if (options.outputs.prints_text()) fmt::print("{}", fleet::to_text(population));
-  return success;
+  return options.alarms && has_findings(population) ? finding : success;
 }
 
 ExitCode run_prior(const PriorOptions& options) {
   const auto population =
       fleet::fit_population(Database{options.database, Database::Access::read}, {});
+  for (const std::string& warning : population.warnings) {
+    fmt::print(stderr, "zerorate: warning: {}\n", warning);
+  }
   const model::SensorModel model = fleet::type_model(population, options.name);
   write_text(options.model_out, model::format_model(model));
   if (options.model_out != "-") {
@@ -147,14 +177,14 @@ ExitCode run_prior(const PriorOptions& options) {
 
 ExitCode run_accept(const AcceptOptions& options) {
   const fleet::Acceptance acceptance =
-      fleet::accept(options.recording, fleet::read_limits(options.limits));
+      fleet::accept(to_input(options.input), fleet::read_limits(options.limits), options.axis);
   if (!options.json.empty()) {
-    write_text(
-        options.json,
-        fleet::to_json(acceptance, std::filesystem::path(options.recording).filename().string()));
+    write_text(options.json,
+               fleet::to_json(acceptance,
+                              std::filesystem::path(options.input.recording).filename().string()));
   }
   if (options.json != "-") {
-    fmt::print("{}: {}\n", options.recording,
+    fmt::print("{}: {}\n", options.input.recording,
                acceptance.judgement == fleet::Judgement::too_short ? "too short to decide"
                                                                    : name(acceptance.judgement));
     for (const std::string& reason : acceptance.reasons) fmt::print("  {}\n", reason);
@@ -180,19 +210,27 @@ CLI::App* add_run(CLI::App& fleet, RunOptions& options) {
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("--db", options.database, "database to write")->capture_default_str();
+  add_axis_option(*command, options.axis);
+  add_format_options(*command, options.format);
   command->add_option("--shard", options.shard, "I/N: the Ith of N parts of the work")
       ->capture_default_str();
+  command->add_option("--lots", options.lots,
+                      "lots of recordings without one in the list: folder (the one that each lies "
+                      "in), or a regular expression whose first group in the name is the lot");
   command->add_option("--jobs", options.jobs, "threads; 0: as many as the machine has")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--json", options.json, "write the summary as JSON; - is standard output");
+  command->add_flag("--alarm", options.alarms, "exit code 1 where a recording cannot be used");
   command->footer(
       "Recordings that the database holds already are not analysed again, so that a run that was\n"
       "killed goes on where it was. Recordings that cannot be used are listed with the reason.\n"
-      "Exit codes: 0 done, 2 wrong usage, 3 no recording could be used, or another engine wrote\n"
-      "the database.\n"
+      "Exit codes: 0 done, 1 with --alarm: a recording cannot be used, 2 wrong usage, 3 no\n"
+      "recording could be used, or another engine wrote the database.\n"
       "Examples:\n"
       "  zerorate fleet run recordings/ --db fleet.sqlite --jobs 0\n"
+      "  zerorate fleet run recordings/ --lots folder\n"
+      "  zerorate fleet run recordings/ --lots '^([A-Z][0-9]+)_'\n"
       "  zerorate fleet run fleet.csv --db part3.sqlite --shard 3/8\n"
       "  zerorate fleet merge part*.sqlite --db fleet.sqlite");
   return command;
@@ -228,9 +266,17 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
                       "write the limits for 'zerorate accept'; - is standard output");
   command
       ->add_option("--test-s", options.test_s,
-                   "with --limits-out: length of the test [s]; figures that it cannot decide have "
-                   "no limits")
+                   "with --limits-out: length of the test [s], whose errors the limits allow for; "
+                   "figures that it cannot decide have no limits")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--fail-on", options.fail_on,
+                   "with --limits-out: effects of the diagnosis that fail a sensor, as in "
+                   "periodic_disturbance,bias_jump")
+      ->delimiter(',');
+  command->add_flag("--alarm", options.alarms,
+                    "exit code 1 where sensors leave the population or changed, lots differ, "
+                    "recordings cannot be used, or a warning is given");
   command
       ->add_option("--fdr", options.population.false_discovery_rate,
                    "false discovery rate of sensors, lots and changes")
@@ -242,7 +288,8 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->footer(
-      "Exit codes: 0 done, 2 wrong usage, 3 too few recordings, or another engine wrote them.\n"
+      "Exit codes: 0 done, 1 with --alarm: something was found, 2 wrong usage, 3 too few\n"
+      "recordings, or another engine wrote them.\n"
       "Examples:\n"
       "  zerorate fleet report --db fleet.sqlite --report fleet.html\n"
       "  zerorate fleet report --db fleet.sqlite --json - --csv axes.csv\n"
@@ -291,9 +338,8 @@ Command add_fleet(CLI::App& app) {
 Command add_accept(CLI::App& app) {
   auto* command = app.add_subcommand("accept", "End-of-line test: one recording against limits");
   const auto options = std::make_shared<AcceptOptions>();
-  command->add_option("recording", options->recording, "recording at rest")
-      ->type_name("RECORDING")
-      ->required();
+  add_input_options(*command, options->input);
+  add_axis_option(*command, options->axis);
   command
       ->add_option("--limits", options->limits,
                    "limits, as 'zerorate fleet report --limits-out' writes them")

@@ -22,14 +22,7 @@ void read_option(const char* option, const std::string& text, Take take) {
 
 }  // namespace
 
-CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
-  CLI::Option* const recording =
-      command
-          .add_option("RECORDING", flags.recording,
-                      "CSV or CSV.gz file, folder of EuRoC or KITTI, bag of ROS "
-                      "2 (.db3 or its folder) or ROS 1 (.bag); "
-                      "- for standard input")
-          ->required();
+void add_format_options(CLI::App& command, InputFlags& flags) {
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Files of other formats");
   };
@@ -60,15 +53,29 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       ->check(CLI::Range(0.0, 60.0));
   add("--metres-per-pulse", flags.metres_per_pulse, "make odometer pulses of the speed [m]")
       ->check(CLI::PositiveNumber);
+  add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
+  add("--odometry-topic", flags.odometry_topic,
+      "topic of nav_msgs/Odometry in a bag, whose speed decides what is rest; default: the only "
+      "one, if any");
+}
+
+CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
+  CLI::Option* const recording =
+      command
+          .add_option("RECORDING", flags.recording,
+                      "CSV or CSV.gz file, folder of EuRoC or KITTI, bag of ROS "
+                      "2 (.db3 or its folder) or ROS 1 (.bag); "
+                      "- for standard input")
+          ->required();
+  add_format_options(command, flags);
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command.add_option(name, value, help)->group("Files of other formats");
+  };
   CLI::Option* const file =
       add("--odometer-file", flags.odometer_file,
           "pulses, still or speed at a rate of their own, by the clock of the recording");
   add("--odometer-columns", flags.odometer_columns, "its columns: t=NAME,speed=NAME")->needs(file);
   add("--odometer-units", flags.odometer_units, "its units: time=ns,speed=kmh")->needs(file);
-  add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
-  add("--odometry-topic", flags.odometry_topic,
-      "topic of nav_msgs/Odometry in a bag, whose speed decides what is rest; default: the only "
-      "one, if any");
   return recording;
 }
 
@@ -132,6 +139,30 @@ recording::Input to_input(const InputFlags& flags) {
         .metres_per_pulse = flags.metres_per_pulse};
   }
   return input;
+}
+
+std::string to_text(const InputFlags& flags) {
+  std::string text;
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) text += fmt::format("{}{} {}", text.empty() ? "" : " ", option, value);
+  };
+  const auto number = [](const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : std::string{};
+  };
+  add("--columns", flags.columns);
+  add("--units", flags.units);
+  add("--delimiter", flags.delimiter);
+  add("--decimal-comma", flags.decimal_comma ? "yes" : "");
+  add("--where", flags.where);
+  add("--skip-lines", flags.skip_lines == 0 ? "" : std::to_string(flags.skip_lines));
+  add("--rows-at", number(flags.rows_at_hz));
+  add("--speed-column", flags.speed_column);
+  add("--still-below", number(flags.still_below_mps));
+  add("--speed-delay", number(flags.speed_delay_s));
+  add("--metres-per-pulse", number(flags.metres_per_pulse));
+  add("--topic", flags.topic);
+  add("--odometry-topic", flags.odometry_topic);
+  return text;
 }
 
 }  // namespace zerorate::cli

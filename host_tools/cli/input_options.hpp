@@ -37,7 +37,10 @@ struct InputFlags {
   std::string odometry_topic;
 };
 
-/// Adds RECORDING, which it returns, and the options for files of other formats.
+/// Adds the options for files of other formats, all of one layout.
+void add_format_options(CLI::App& command, InputFlags& flags);
+
+/// Adds RECORDING, which it returns, and the options for a file of another format.
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags);
 
 /// Adds --axis: x, y, z or all.
@@ -60,5 +63,7 @@ void add_accept_option(CLI::App& command, std::string& accept);
 
 /// Throws std::invalid_argument that names the option.
 [[nodiscard]] recording::Input to_input(const InputFlags& flags);
+/// Options of add_format_options() as typed; empty without any.
+[[nodiscard]] std::string to_text(const InputFlags& flags);
 
 }  // namespace zerorate::cli

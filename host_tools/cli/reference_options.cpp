@@ -33,9 +33,6 @@ void add_truth_flags(CLI::App& app, TruthFlags& flags) {
 std::optional<truth::Truth> read_truth(const recording::Input& input, const TruthFlags& flags) {
   // A pipe can be read once only.
   if (!std::filesystem::is_regular_file(input.path)) return std::nullopt;
-  recording::Reader reader{input};
-  const recording::Columns& columns = reader.columns();
-  if (!columns.ref_heading && !columns.ref_rate && !columns.ref_speed) return std::nullopt;
   truth::TruthOptions options{.usable_from_s = flags.reference_from_s};
   if (!flags.vertical_axis.empty()) {
     options.vertical = truth::parse_vertical_axis(flags.vertical_axis);
@@ -43,7 +40,8 @@ std::optional<truth::Truth> read_truth(const recording::Input& input, const Trut
   if (flags.reference_error_deg) {
     options.reference_error_rad = *flags.reference_error_deg * kRadPerDeg;
   }
-  return truth::find_truth(truth::read_track(reader), options);
+  recording::Reader reader{input};
+  return truth::read_truth(reader, options);
 }
 
 void add_learn_flag(CLI::App& app, TruthFlags& flags) {

@@ -126,11 +126,13 @@ void print_learnt(const evaluate::ReplayResult& result, const std::vector<std::s
       "weight)\n{:<4} {:>9} {:>25} {:>25} {:>31}\n",
       "axis", "evidence", "order d", "B deg/h", "N deg/s/sqrt(Hz)");
   for (const std::size_t axis : axes) {
-    const auto learnt = evaluate::learnt_model((*result.learnt)[axis]);
+    const auto learnt = evaluate::learnt_model((*result.learnt)[axis], result.mesh);
     fmt::print("{:<4} {:>9.1f} {:>25} {:>25} {:>31}\n", evaluate::axis_name(result, axis),
                learnt.stops, evaluate::in_words(learnt.order),
                evaluate::in_words(learnt.bias_instability_dph),
                evaluate::in_words(learnt.angle_random_walk_dps_per_sqrt_hz));
+    const std::string edge = evaluate::edge_in_words(learnt, result.mesh);
+    if (!edge.empty()) fmt::print("  note: {}\n", edge);
   }
 }
 
@@ -161,9 +163,10 @@ void print_scores(const evaluate::ReplayResult& result, const std::vector<std::s
 void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
   if (result.stop_scores[axes.front()].front().stops() == 0) return;
   fmt::print(
-      "\nBias predicted for each stop, less what the stop then measured (sigma: as predicted)\n"
-      "{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n",
-      "axis", "predictor", "stops", "error deg/h rms", "error sigmas", "coverage 95");
+      "\nBias predicted for each stop, less what its first {:.3g} s then measured (sigma: as "
+      "predicted)\n{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n",
+      result.stop_scores[axes.front()].front().measured_s(), "axis", "predictor", "stops",
+      "error deg/h rms", "error sigmas", "coverage 95");
   for (const std::size_t axis : axes) {
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.stop_scores[axis][static_cast<std::size_t>(predictor)];

@@ -53,6 +53,9 @@ struct Table {
   std::vector<std::uint8_t> still;
   std::vector<std::int64_t> odometer_pulses;
   std::vector<float> acceleration_m_s2;
+  std::vector<float> ref_heading_rad;
+  std::vector<float> ref_rate_rad_s;
+  std::vector<float> ref_speed_m_s;
 
   void add(const recording::Row& row) {
     time_ns.push_back(row.time_ns);
@@ -65,6 +68,9 @@ struct Table {
       acceleration_m_s2.insert(acceleration_m_s2.end(), row.acceleration_m_s2.begin(),
                                row.acceleration_m_s2.end());
     }
+    if (columns.ref_heading) ref_heading_rad.push_back(row.ref_heading_rad);
+    if (columns.ref_rate) ref_rate_rad_s.push_back(row.ref_rate_rad_s);
+    if (columns.ref_speed) ref_speed_m_s.push_back(row.ref_speed_m_s);
   }
 };
 
@@ -92,6 +98,12 @@ py::dict read(const Source& source) {
     arrays["still"] = to_array(std::move(table.still), {rows}).attr("view")("bool");
   if (table.columns.odometer)
     arrays["odometer_pulses"] = to_array(std::move(table.odometer_pulses), {rows});
+  const auto give = [&](bool is_there, const char* name, std::vector<float>& values) {
+    if (is_there) arrays[name] = to_array(std::move(values), {rows});
+  };
+  give(table.columns.ref_heading, "ref_heading_rad", table.ref_heading_rad);
+  give(table.columns.ref_rate, "ref_rate_rad_s", table.ref_rate_rad_s);
+  give(table.columns.ref_speed, "ref_speed_m_s", table.ref_speed_m_s);
   if (table.columns.acceleration) {
     constexpr auto kAxes = static_cast<py::ssize_t>(recording::kMaxAxes);
     arrays["acceleration_m_s2"] = to_array(std::move(table.acceleration_m_s2), {rows, kAxes});
@@ -125,10 +137,16 @@ ArrayRows::ArrayRows(const Samples& samples)
   still_ = elements(samples.still, rows_, "still");
   pulses_ = elements(samples.odometer_pulses, rows_, "odometer_pulses");
   acceleration_ = accelerations(samples.acceleration_m_s2, rows_);
+  ref_heading_ = elements(samples.ref_heading_rad, rows_, "ref_heading_rad");
+  ref_rate_ = elements(samples.ref_rate_rad_s, rows_, "ref_rate_rad_s");
+  ref_speed_ = elements(samples.ref_speed_m_s, rows_, "ref_speed_m_s");
   columns_ = {.axis_count = static_cast<std::size_t>(rate.shape(1)),
               .temperature = temperature_ != nullptr,
               .odometer = pulses_ != nullptr,
               .still = still_ != nullptr,
+              .ref_heading = ref_heading_ != nullptr,
+              .ref_rate = ref_rate_ != nullptr,
+              .ref_speed = ref_speed_ != nullptr,
               .acceleration = acceleration_ != nullptr};
 }
 
@@ -145,6 +163,9 @@ bool ArrayRows::next(recording::Row& row) {
     std::copy_n(acceleration_ + row_ * recording::kMaxAxes, recording::kMaxAxes,
                 row.acceleration_m_s2.begin());
   }
+  if (ref_heading_ != nullptr) row.ref_heading_rad = ref_heading_[row_];
+  if (ref_rate_ != nullptr) row.ref_rate_rad_s = ref_rate_[row_];
+  if (ref_speed_ != nullptr) row.ref_speed_m_s = ref_speed_[row_];
   ++row_;
   return true;
 }
@@ -168,16 +189,22 @@ void add_source(py::module_& module) {
           [](Array<std::int64_t> time_ns, Array<float> rate_rad_s,
              std::optional<Array<float>> temperature_degc, std::optional<Array<bool>> still,
              std::optional<Array<std::int64_t>> odometer_pulses,
-             std::optional<Array<float>> acceleration_m_s2) {
+             std::optional<Array<float>> acceleration_m_s2,
+             std::optional<Array<float>> ref_heading_rad,
+             std::optional<Array<float>> ref_rate_rad_s,
+             std::optional<Array<float>> ref_speed_m_s) {
             Samples samples{std::move(time_ns),          std::move(rate_rad_s),
                             std::move(temperature_degc), std::move(still),
-                            std::move(odometer_pulses),  std::move(acceleration_m_s2)};
+                            std::move(odometer_pulses),  std::move(acceleration_m_s2),
+                            std::move(ref_heading_rad),  std::move(ref_rate_rad_s),
+                            std::move(ref_speed_m_s)};
             static_cast<void>(ArrayRows{samples});  // complains here rather than later
             return Source{std::move(samples)};
           },
           py::arg("time_ns"), py::arg("rate_rad_s"), py::arg("temperature_degc") = py::none(),
           py::arg("still") = py::none(), py::arg("odometer_pulses") = py::none(),
-          py::arg("acceleration_m_s2") = py::none())
+          py::arg("acceleration_m_s2") = py::none(), py::arg("ref_heading_rad") = py::none(),
+          py::arg("ref_rate_rad_s") = py::none(), py::arg("ref_speed_m_s") = py::none())
       .def("read", &read);
 }
 

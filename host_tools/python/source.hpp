@@ -29,6 +29,9 @@ struct Samples {
   std::optional<Array<bool>> still;
   std::optional<Array<std::int64_t>> odometer_pulses;
   std::optional<Array<float>> acceleration_m_s2;  ///< n by 3
+  std::optional<Array<float>> ref_heading_rad;
+  std::optional<Array<float>> ref_rate_rad_s;
+  std::optional<Array<float>> ref_speed_m_s;
 };
 
 /// Gives the rows of arrays; they must live as long. Needs no lock of the interpreter.
@@ -51,6 +54,9 @@ class ArrayRows : public recording::RowSource {
   const bool* still_ = nullptr;
   const float* acceleration_ = nullptr;
   const std::int64_t* pulses_ = nullptr;
+  const float* ref_heading_ = nullptr;
+  const float* ref_rate_ = nullptr;
+  const float* ref_speed_ = nullptr;
   std::size_t rows_;
   std::size_t row_ = 0;
 };

@@ -80,6 +80,22 @@ class Package(unittest.TestCase):
             self.assertEqual(scores.json, expected)
             self.assertEqual(scores.scores["y"]["kalman"].drives, expected["axes"]["y"]["predictors"]["kalman"]["drives"])
 
+    def test_scores_no_drift_where_nobody_knows_the_rate(self):
+        score = zerorate.evaluate(self.recording, model="lsm6dso").scores["z"]["kalman"]
+        self.assertEqual((score.heading_drift_rms_deg, score.coverage95), (None, None))
+        self.assertGreater(score.stops, 5)
+
+    def test_scores_drives_against_a_reference(self):
+        path = self.folder / "drive.csv"
+        subprocess.run([ZERORATE, "simulate", "--scenario", "dead-band", "-o", str(path)], check=True, capture_output=True)
+        recording = zerorate.read(path)
+        self.assertEqual(recording.ref_heading_rad.shape, recording.time_ns.shape)
+        expected = self.answer("replay", path, "--model", "lsm6dso", "--vertical-axis", "z")
+        for given in (path, recording):
+            evaluation = zerorate.evaluate(given, model="lsm6dso", vertical_axis="z")
+            self.assertEqual(evaluation.json, expected)
+            self.assertGreater(evaluation.true_drives["scored"], 5)
+
     def test_a_node_publishes_what_a_replay_writes(self):
         out = self.folder / "corrected.csv"
         self.answer("replay", self.path, "--model", "lsm6dso", "--out", out)

@@ -127,9 +127,10 @@ TEST(ScoresOfStops, AreTheMeansOfTheirErrors) {
   StopScores scores;
   EXPECT_TRUE(std::isnan(scores.error_rms_rad_s()));
   EXPECT_TRUE(std::isnan(scores.coverage95()));
-  scores.add(3.0, 1.0);
-  scores.add(-4.0, 4.0);
+  scores.add(3.0, 1.0, 5.0);
+  scores.add(-4.0, 4.0, 2.0);
   EXPECT_EQ(scores.stops(), 2U);
+  EXPECT_DOUBLE_EQ(scores.measured_s(), 3.5);
   EXPECT_DOUBLE_EQ(scores.error_rms_rad_s(), std::sqrt(12.5));
   EXPECT_DOUBLE_EQ(scores.error_rms_sigmas(), std::sqrt(5.0));
   EXPECT_DOUBLE_EQ(scores.coverage95(), 0.5);
@@ -167,11 +168,48 @@ TEST(StopScoresOfTheCalibrationMean, EqualThoseByHand) {
   while (!moving.back()) moving.pop_back();
   rows.resize(moving.size());
   const auto path = write_rows(folder.path() / "rest.csv", kRates, rows);
-  const Replayed replayed = replay_file(path, {.model = sensor_model(), .schedule = schedule});
+  // A prediction sharper than any stop: each stop is then measured whole.
+  model::SensorModel sharp = sensor_model();
+  sharp.flicker->bias_instability_rad_s *= 1e-3;
+  const Replayed replayed =
+      replay_file(path, {.model = sharp, .schedule = schedule, .learns_noise = false});
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const StopScores& scores = replayed.result.stop_scores[axis][2];
     EXPECT_GT(scores.stops(), 30U);
     EXPECT_NEAR(scores.error_rms_rad_s() / change_between_stops(rows, moving, axis), 1.0, 1e-3);
+  }
+}
+
+/// Stops of 1000 s in which the bias rises by so much and falls back, and drives of 60 s without.
+std::vector<recording::Row> rows_warming_at_stops(double rise_rad_s) {
+  constexpr std::size_t kStop = 1000;
+  constexpr std::size_t kDrive = 60;
+  auto rows = rows_at_rest(10 * (kStop + kDrive), 1.0, 31);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::size_t place = k % (kStop + kDrive);
+    rows[k].still = place < kStop;
+    if (!rows[k].still) continue;
+    const double share = static_cast<double>(place) / (0.5 * kStop);
+    const auto rise = static_cast<float>(rise_rad_s * std::min(share, 2.0 - share));
+    for (float& rate : rows[k].rate_rad_s) rate += rise;
+  }
+  return rows;
+}
+
+// The mean of each stop is that of the one before: compared with it, the calibration mean errs by
+// nothing, and yet every drive by half of the rise.
+TEST(StopScores, JudgeThePredictionByTheFirstSecondsOfAStop) {
+  const ScratchFolder folder;
+  recording::Columns columns = kRates;
+  columns.still = true;
+  const double rise = 0.1 * testing::kRadPerDeg;
+  const auto path = write_rows(folder.path() / "warm.csv", columns, rows_warming_at_stops(rise));
+  const Replayed replayed = replay_file(path, {.model = sensor_model(), .learns_noise = false});
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const StopScores& scores = replayed.result.stop_scores[axis][2];
+    EXPECT_EQ(scores.stops(), 9U);
+    EXPECT_LT(scores.measured_s(), 100.0);
+    EXPECT_NEAR(scores.error_rms_rad_s() / rise, 0.5, 0.15);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "host_tools/lib/contest/drive_models.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,6 +10,8 @@
 
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/identify/rest_check.hpp"
+#include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::contest {
@@ -39,6 +43,27 @@ std::vector<model::SensorModel> diagnosed(const identify::RestSamples& samples,
   return models;
 }
 
+/// Throws recording::DataError for a recording in which the sensor moved.
+void require_rest(const identify::RestSamples& samples, const std::string& recording) {
+  if (samples.moving > 0) {
+    throw recording::DataError(fmt::format(
+        "{}: by its odometer the vehicle moved, or was about to, in {} of {} rows, and drives are "
+        "cut out of recordings at rest: cut the recording to its rest, or score its own drives: "
+        "zerorate replay",
+        recording, samples.moving, samples.rows));
+  }
+  try {
+    (void)identify::require_rest(samples);
+  } catch (const recording::DataError& error) {
+    const std::string sentence = error.what();
+    const std::string fault = sentence.substr(0, sentence.find(". Say when it stood"));
+    throw recording::DataError(fmt::format(
+        "{}: {}. Drives are cut out of recordings at rest: cut the recording to its rest, or score "
+        "its own drives: zerorate replay",
+        recording, fault));
+  }
+}
+
 /// White and flicker noise and nothing else.
 bool is_plain(const model::SensorModel& model) {
   return model ==
@@ -47,17 +72,27 @@ bool is_plain(const model::SensorModel& model) {
 
 }  // namespace
 
-Fits fit_recording(const std::filesystem::path& path, FitBy fit_by) {
-  recording::Reader reader{path};
+recording::Input input_of(const std::filesystem::path& path, const DriveContestOptions& options) {
+  recording::Input input = options.format;
+  input.path = path;
+  return input;
+}
+
+Fits fit_recording(const std::filesystem::path& path, FitBy fit_by,
+                   const DriveContestOptions& options) {
+  recording::Reader reader{input_of(path, options)};
   const identify::RestSamples samples = identify::read_rest_samples(reader);
   const std::string recording = path.filename().string();
+  require_rest(samples, path.string());
+  const auto axes = identify::axes_called(options.axis, samples.axis_count);
   const auto extended = fit_by == FitBy::diagnosis
                             ? diagnosed(samples, recording)
                             : characterized(samples, recording, std::nullopt);
   const auto base = characterized(samples, recording, 0.5);
   Fits fits;
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    fits.push_back({recording, axis, extended[axis], base[axis]});
+    const bool is_scored = std::ranges::find(axes, axis) != axes.end();
+    fits.push_back({recording, axis, is_scored, extended[axis], base[axis]});
   }
   return fits;
 }

@@ -12,8 +12,14 @@ namespace zerorate::contest {
 /// Models of one recording, by axis.
 using Fits = std::vector<DriveContest::AxisModels>;
 
-/// Fits each axis of a recording. Throws recording::DataError.
-[[nodiscard]] Fits fit_recording(const std::filesystem::path& path, FitBy fit_by);
+/// Input of a recording of a contest.
+[[nodiscard]] recording::Input input_of(const std::filesystem::path& path,
+                                        const DriveContestOptions& options);
+
+/// Fits each axis of a recording. Throws recording::DataError that names it, also for a sensor that
+/// moved: its drives would be scored as errors.
+[[nodiscard]] Fits fit_recording(const std::filesystem::path& path, FitBy fit_by,
+                                 const DriveContestOptions& options);
 
 /// Whether a recording may use the fit and the tuning of the lender on an axis.
 [[nodiscard]] bool lends_to(const std::vector<Fits>& fits, FitOn fit_on, std::size_t lender,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -76,11 +77,13 @@ class Contest {
   [[nodiscard]] std::size_t schedules() const { return options_.schedules.size(); }
 
   void fit_all() {
-    parallel::for_each(paths_.size(), options_.threads,
-                       [&](std::size_t i) { fits_[i] = fit_recording(paths_[i], options_.fit_by); },
-                       {});
+    parallel::for_each(
+        paths_.size(), options_.threads,
+        [&](std::size_t i) { fits_[i] = fit_recording(paths_[i], options_.fit_by, options_); }, {});
     for (std::size_t i = 0; i < paths_.size(); ++i) {
-      for (std::size_t axis = 0; axis < fits_[i].size(); ++axis) clusters_.push_back({i, axis});
+      for (const DriveContest::AxisModels& fit : fits_[i]) {
+        if (fit.is_scored) clusters_.push_back({i, fit.axis});
+      }
     }
   }
 
@@ -126,6 +129,7 @@ class Contest {
   void replay_fitted(std::size_t recording, const evaluate::ScheduleParams& schedule,
                      std::vector<AxisSums>& axes) const {
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      if (!fits_[recording][axis].is_scored) continue;
       const Cluster cluster{recording, axis};
       const auto scores = [&](const model::SensorModel& model) {
         return replay(recording, schedule, model)[axis];
@@ -173,7 +177,7 @@ class Contest {
   [[nodiscard]] AllScores replay(std::size_t recording, const evaluate::ScheduleParams& schedule,
                                  const model::SensorModel& model,
                                  const evaluate::ReplayObserver& observer = {}) const {
-    recording::Reader reader{paths_[recording]};
+    recording::Reader reader{input_of(paths_[recording], options_)};
     // Models that were fitted are compared: they are taken at their word.
     const evaluate::ReplayOptions options{.model = model,
                                           .filter_rate_hz = options_.filter_rate_hz,
@@ -229,7 +233,8 @@ class Contest {
     DriveContest contest{.options = options_};
     for (const fs::path& path : paths_) contest.recordings.push_back(path.filename().string());
     for (const Fits& fits : fits_)
-      contest.fits.insert(contest.fits.end(), fits.begin(), fits.end());
+      std::ranges::copy_if(fits, std::back_inserter(contest.fits),
+                           &DriveContest::AxisModels::is_scored);
     contest.by_schedule.resize(schedules());
     const Standings field{results(Contestant::calibration_mean), options_.first_seed};
     const ScheduleRange all{0, schedules()};

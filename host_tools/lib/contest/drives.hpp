@@ -15,6 +15,7 @@
 #include "host_tools/lib/contest/standings.hpp"
 #include "host_tools/lib/evaluate/odometer.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
+#include "host_tools/lib/recording/input.hpp"
 
 namespace zerorate::contest {
 
@@ -54,6 +55,8 @@ struct DriveContestOptions {
   FitOn fit_on = FitOn::other;
   FitBy fit_by = FitBy::characterization;
   std::optional<double> filter_rate_hz{};  ///< see evaluate::ReplayOptions
+  std::string axis = "all";                ///< x, y, z or all
+  recording::Input format{};               ///< layout of every recording; its path does not count
   unsigned threads = 0;                    ///< 0: as many as the machine has
 };
 
@@ -61,6 +64,7 @@ struct DriveContest {
   struct AxisModels {
     std::string recording;
     std::size_t axis;
+    bool is_scored;               ///< false: another axis was asked for
     model::SensorModel extended;  ///< fitted to this recording, for use on others
     model::SensorModel base;
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -85,8 +86,8 @@ struct Outcome {
 /// One replay's drives, scored in all and at first.
 class Scored {
  public:
-  Scored(const fs::path& path, evaluate::ReplayOptions options) {
-    recording::Reader reader{path};
+  Scored(const recording::Input& input, const evaluate::ReplayOptions& options) {
+    recording::Reader reader{input};
     std::array<std::array<std::size_t, app::kPredictors>, 3> drives{};
     const evaluate::ReplayObserver observer{.on_drive = [&](const evaluate::ReplayedDrive& drive) {
       const auto p = static_cast<std::size_t>(drive.predictor);
@@ -142,9 +143,12 @@ class LearningRuns {
   }
 
   void fit_all() {
-    parallel::for_each(
-        paths_.size(), options_.drives.threads,
-        [&](std::size_t i) { fits_[i] = fit_recording(paths_[i], FitBy::characterization); }, {});
+    parallel::for_each(paths_.size(), options_.drives.threads,
+                       [&](std::size_t i) {
+                         fits_[i] =
+                             fit_recording(paths_[i], FitBy::characterization, options_.drives);
+                       },
+                       {});
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       for (std::size_t axis = 0; axis < fits_[i].size(); ++axis) {
         if (tuned_models(i, axis, FitOn::other).empty()) {
@@ -160,9 +164,17 @@ class LearningRuns {
     return lent_models(fits_, fit_on, recording, axis, &DriveContest::AxisModels::extended);
   }
 
+  [[nodiscard]] std::vector<std::size_t> scored_axes(std::size_t recording) const {
+    std::vector<std::size_t> axes;
+    for (const DriveContest::AxisModels& fit : fits_[recording]) {
+      if (fit.is_scored) axes.push_back(fit.axis);
+    }
+    return axes;
+  }
+
   [[nodiscard]] Scored replay(std::size_t recording, const evaluate::ScheduleParams& schedule,
                               const model::SensorModel& model, bool learns) const {
-    return Scored{paths_[recording],
+    return Scored{input_of(paths_[recording], options_.drives),
                   {.model = model,
                    .filter_rate_hz = options_.drives.filter_rate_hz,
                    .schedule = schedule,
@@ -190,6 +202,7 @@ class LearningRuns {
   void replay_tuned(std::size_t recording, const evaluate::ScheduleParams& schedule,
                     Outcome& outcome) const {
     for (std::size_t axis = 0; axis < outcome.axes.size(); ++axis) {
+      if (!fits_[recording][axis].is_scored) continue;
       LearningSums& sums = outcome.axes[axis];
       for (const auto& [tuned, fit_on] : {std::pair{Tuned::on_others, FitOn::other},
                                           std::pair{Tuned::hindsight, FitOn::itself}}) {
@@ -208,13 +221,13 @@ class LearningRuns {
       const std::vector<Outcome>& outcomes) const {
     std::vector<std::vector<LearningSums>> sums;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
-      const std::size_t axes = outcomes[i].axes.size();
+      const std::vector<std::size_t> axes = scored_axes(i / runs());
       if (i % runs() == 0) {
-        sums.resize(sums.size() + axes,
+        sums.resize(sums.size() + axes.size(),
                     std::vector<LearningSums>(schedules(), LearningSums{data_sheets_.size()}));
       }
-      for (std::size_t axis = 0; axis < axes; ++axis) {
-        sums[sums.size() - axes + axis][schedule_index(i)] += outcomes[i].axes[axis];
+      for (std::size_t k = 0; k < axes.size(); ++k) {
+        sums[sums.size() - axes.size() + k][schedule_index(i)] += outcomes[i].axes[axes[k]];
       }
     }
     return sums;
@@ -226,7 +239,7 @@ class LearningRuns {
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
       const auto& noises = outcomes[i].learnt[which];
       if (!noises) continue;
-      for (std::size_t axis = 0; axis < outcomes[i].axes.size(); ++axis) {
+      for (const std::size_t axis : scored_axes(i / runs())) {
         learnt.push_back({i / runs(), axis, schedule_index(i), schedule(i).seed,
                           evaluate::learnt_model((*noises)[axis])});
       }
@@ -238,7 +251,8 @@ class LearningRuns {
     LearningContest contest{.options = options_};
     for (const fs::path& path : paths_) contest.recordings.push_back(path.filename().string());
     for (const Fits& fits : fits_) {
-      contest.fits.insert(contest.fits.end(), fits.begin(), fits.end());
+      std::ranges::copy_if(fits, std::back_inserter(contest.fits),
+                           &DriveContest::AxisModels::is_scored);
     }
     const auto sums = summed(outcomes);
     const auto results = [&](auto which, DriveSums PhaseSums::*drives) {

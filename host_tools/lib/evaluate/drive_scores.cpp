@@ -61,13 +61,17 @@ std::string in_words(const statistics::BootstrapFigure& ratio) {
   return fmt::format("{:.3f} [{:.3f}, {:.3f}]", ratio.value, ratio.lo, ratio.hi);
 }
 
-void StopScores::add(double error_rad_s, double sigma_rad_s) {
+void StopScores::add(double error_rad_s, double sigma_rad_s, double measured_s) {
   ++stops_;
+  measured_s_ += measured_s;
   if (std::abs(error_rad_s) <= statistics::kHalfWidth95 * sigma_rad_s) ++covered_;
   squares_rad2_s2_ += error_rad_s * error_rad_s;
   normalised_squares_ += error_rad_s * error_rad_s / (sigma_rad_s * sigma_rad_s);
 }
 
+double StopScores::measured_s() const {
+  return measured_s_ / static_cast<double>(stops_);
+}
 double StopScores::error_rms_rad_s() const {
   return std::sqrt(squares_rad2_s2_ / static_cast<double>(stops_));
 }

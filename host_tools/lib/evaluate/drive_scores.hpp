@@ -85,15 +85,18 @@ inline constexpr std::size_t kFewestDrivesOfARatio = 5;
 /// Ratio and interval with three decimals, as in 0.663 [0.551, 0.783]; "-" for NaN.
 [[nodiscard]] std::string in_words(const statistics::BootstrapFigure& ratio);
 
-/// Predicted biases against what the stops then measured: scores that need no truth. Without stops
-/// every figure is NaN.
+/// Predicted biases against what the first seconds of the stops then measured: scores that need no
+/// truth. Without stops every figure is NaN.
 class StopScores {
  public:
   /// @param error_rad_s  mean that a stop measured less the predicted one
   /// @param sigma_rad_s  standard deviation of the error as predicted, white noise included
-  void add(double error_rad_s, double sigma_rad_s);
+  /// @param measured_s  time over which the stop was measured
+  void add(double error_rad_s, double sigma_rad_s, double measured_s);
 
   [[nodiscard]] std::size_t stops() const { return stops_; }
+  /// Mean of the times over which the stops were measured.
+  [[nodiscard]] double measured_s() const;
   [[nodiscard]] double error_rms_rad_s() const;
   /// Root mean square of the errors in units of their predicted sigma: 1 where the interval is
   /// honest.
@@ -106,6 +109,7 @@ class StopScores {
   std::size_t covered_ = 0;
   double squares_rad2_s2_ = 0.0;
   double normalised_squares_ = 0.0;
+  double measured_s_ = 0.0;
 };
 
 }  // namespace zerorate::evaluate

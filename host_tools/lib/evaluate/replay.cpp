@@ -129,7 +129,7 @@ class Run {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
     if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
-    stops_.take(node_);
+    stops_.take(node_, kStart, result_);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
       result_.first_inconsistent_s = time_s(message);
@@ -233,7 +233,7 @@ class Run {
     LearntNoises& learnt = result_.learnt.emplace();
     for (std::size_t i = 0; i < result_.axis_count; ++i)
       learnt[i] = node_.predictors().learnt_noise(i);
-    if (observer_.on_learnt) observer_.on_learnt({time_ns, learnt});
+    if (observer_.on_learnt) observer_.on_learnt({time_ns, learnt, result_.mesh});
   }
 
   void add_to_drive(const app::RateMessage& message, const std::array<float, 3>& truth) {
@@ -363,6 +363,7 @@ ReplayResult replay(recording::Reader& reader, const ReplayOptions& options,
   result.axis_count = reader.columns().axis_count;
   result.model = options.model.name;
   result.is_model_chosen = options.is_model_chosen;
+  result.mesh = mesh_of(options.model);
   result.states_scale_factor = options.model.scale_factor.has_value();
   if (options.through == Through::chip &&
       result.axis_count > find_simulated_chip(options.chip).axis_count) {

@@ -20,6 +20,7 @@
 #include "firmware/app/rate_message.hpp"
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/evaluate/drive_scores.hpp"
+#include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/odometer.hpp"
 #include "host_tools/lib/evaluate/simulated_gyro.hpp"
 #include "host_tools/lib/evaluate/true_drives.hpp"
@@ -113,6 +114,7 @@ using LearntNoises = std::array<app::LearntNoise, 3>;
 struct LearntStop {
   std::int64_t time_ns;  ///< time in the recording
   const LearntNoises& axes;
+  const LearntMesh& mesh;
 };
 
 /// The vehicle's true rate at a row of the recording [rad/s].
@@ -167,6 +169,7 @@ struct ReplayResult {
   /// Noise as learnt by the end; nullopt where the model was taken at its word, or nothing
   /// measured.
   std::optional<LearntNoises> learnt;
+  LearntMesh mesh;  ///< grid of noises that the node tried
 };
 
 /// Replays to the end of the recording in constant memory. Throws recording::Error,

@@ -23,6 +23,7 @@ Json scores_json(const DriveScores& scores, const DriveScores& baseline, const S
     return is_truth_known ? number(figure) : Json(nullptr);
   };
   return {{"stops", stops.stops()},
+          {"stop_measured_s", number(stops.measured_s())},
           {"stop_error_rms_dph", number(stops.error_rms_rad_s() * units::kDphPerRadS)},
           {"stop_error_rms_sigmas", number(stops.error_rms_sigmas())},
           {"stop_coverage95", number(stops.coverage95())},
@@ -90,7 +91,8 @@ std::string to_json(const ReplayResult& result, const std::vector<std::size_t>& 
     }
     Json& of_axis = json["axes"][axis_name(result, axis)];
     of_axis["predictors"] = std::move(predictors);
-    of_axis["learnt"] = result.learnt ? learnt_json(learnt_model((*result.learnt)[axis])) : nullptr;
+    of_axis["learnt"] =
+        result.learnt ? learnt_json(learnt_model((*result.learnt)[axis], result.mesh)) : nullptr;
   }
   if (result.learnt_motion) json["learnt_motion"] = learnt_motion_json(*result.learnt_motion);
   if (result.true_drives) {

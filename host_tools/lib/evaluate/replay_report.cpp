@@ -325,7 +325,7 @@ report::Table learnt_table(const ReplayResult& result, const std::vector<std::si
       .columns = {
           {"Axis"}, {"Evidence", "stops", 1}, {"Order d"}, {"B, deg/h"}, {"N, deg/s/sqrt(Hz)"}}};
   for (const std::size_t axis : axes) {
-    const LearntModel learnt = learnt_model((*result.learnt)[axis]);
+    const LearntModel learnt = learnt_model((*result.learnt)[axis], result.mesh);
     table.rows.push_back({axis_name(result, axis), learnt.stops, in_words(learnt.order),
                           in_words(learnt.bias_instability_dph),
                           in_words(learnt.angle_random_walk_dps_per_sqrt_hz)});

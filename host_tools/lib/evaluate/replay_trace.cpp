@@ -57,7 +57,8 @@ void ReplayTrace::add(const ReplayedDrive& drive) {
 }
 
 void ReplayTrace::add(const LearntStop& stop) {
-  models_.push_back({static_cast<double>(stop.time_ns) * 1e-9, learnt_model(stop.axes[axis_])});
+  models_.push_back(
+      {static_cast<double>(stop.time_ns) * 1e-9, learnt_model(stop.axes[axis_], stop.mesh)});
 }
 
 /// A step lets few ticks go at once, those that were held back; what it leaps over further was a

@@ -13,7 +13,6 @@
 #include <cerrno>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -100,12 +99,14 @@ void add_diagnosis(const diagnose::Diagnosis& diagnosis, AxisResult& result) {
 }
 
 /// Diagnoses all axes together, so that they can have a cause in common.
-void diagnose_axes(const identify::RestSamples& samples, RecordingResult& result) {
+void diagnose_axes(const identify::RestSamples& samples, const std::vector<std::size_t>& axes,
+                   RecordingResult& result) {
   const auto of_axis = [&](const std::string& axis) -> AxisResult& {
     return *std::ranges::find(result.axes, axis, &AxisResult::axis);
   };
   std::vector<diagnose::Record> records;
-  for (std::size_t axis = 0; axis < result.axes.size(); ++axis) {
+  records.reserve(axes.size());
+  for (const std::size_t axis : axes) {
     records.push_back(diagnose::record_of(samples, axis));
   }
   diagnose::DiagnoseOptions options;
@@ -254,13 +255,13 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result) {
   }
 }
 
-std::vector<AxisResult> noise_of(const identify::RestSamples& all) {
+std::vector<AxisResult> noise_of(const identify::RestSamples& all, std::string_view name) {
   const identify::RestSamples samples = identify::without_outliers(all);
   const core::Duration period = samples.mean_period;
   const core::Duration tick = identify::identification_tick(samples);
   const auto ticks = identify::average_ticks(samples, tick);
   std::vector<AxisResult> axes;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+  for (const std::size_t axis : identify::axes_called(name, samples.axis_count)) {
     AxisResult one{.axis = samples.axis_name(axis), .mean_rate_rad_s = mean_rate(samples, axis)};
     one.angle_random_walk_rad_per_sqrt_s = white_of_neighbours(ticks, axis, tick);
     measure_likelihood({ticks, period, tick, axis}, one);
@@ -287,25 +288,25 @@ identify::RestSamples read_population_samples(recording::Reader& reader) {
   return samples;
 }
 
-RecordingResult analyse(const std::filesystem::path& recording) {
-  recording::Reader reader{recording::Input{recording}};
+RecordingResult analyse(const recording::Input& recording, std::string_view axis) {
+  recording::Reader reader{recording};
   const identify::RestSamples samples = read_population_samples(reader);
-  std::vector<std::size_t> axes(samples.axis_count);
-  std::iota(axes.begin(), axes.end(), std::size_t{0});
-  const identify::Characterization characterization =
-      identify::characterize(samples, {.recording = recording.filename().string(), .axes = axes});
+  const std::vector<std::size_t> axes = identify::axes_called(axis, samples.axis_count);
+  const identify::Characterization characterization = identify::characterize(
+      samples, {.recording = recording.path.filename().string(), .axes = axes});
   RecordingResult result{.rows = samples.rows,
                          .sample_period_s = units::seconds(characterization.sample_period.ns()),
                          .rest_s = characterization.rest_s};
   const auto ticks =
       identify::average_ticks(identify::without_outliers(samples), characterization.tick);
-  for (const std::size_t axis : axes) {
-    AxisResult one = result_of(characterization.axes[axis]);
-    one.mean_rate_rad_s = mean_rate(samples, axis);
-    measure_likelihood({ticks, characterization.sample_period, characterization.tick, axis}, one);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    AxisResult one = result_of(characterization.axes[i]);
+    one.mean_rate_rad_s = mean_rate(samples, axes[i]);
+    measure_likelihood({ticks, characterization.sample_period, characterization.tick, axes[i]},
+                       one);
     result.axes.push_back(std::move(one));
   }
-  diagnose_axes(samples, result);
+  diagnose_axes(samples, axes, result);
   return result;
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/recording/input.hpp"
 
 namespace zerorate::fleet {
 
@@ -91,9 +92,11 @@ struct RecordingResult {
 /// Cost: one pass of the filter a cell.
 void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result);
 
-/// Mean rate and likelihood of every axis, without a diagnosis: an end-of-line test has no time for
-/// one. N is the likeliest on the grid.
-[[nodiscard]] std::vector<AxisResult> noise_of(const identify::RestSamples& all);
+/// Mean rate and likelihood of axes, without a diagnosis: an end-of-line test has no time for one.
+/// N is the likeliest on the grid.
+/// @param axis  x, y, z or all
+[[nodiscard]] std::vector<AxisResult> noise_of(const identify::RestSamples& all,
+                                               std::string_view axis = "all");
 
 /// Samples of a recording at rest, as far as a sensor can be judged by them. Throws
 /// recording::DataError for one that is not at rest, and where more than 10 % of the rows cannot be
@@ -101,8 +104,10 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result);
 [[nodiscard]] identify::RestSamples read_population_samples(recording::Reader& reader);
 
 /// Characterizes and diagnoses a recording. Deterministic: a pure function of the samples.
+/// @param axis  x, y, z or all
 /// Throws recording::DataError for a recording that cannot be used, as of a sensor that was turned.
-[[nodiscard]] RecordingResult analyse(const std::filesystem::path& recording);
+[[nodiscard]] RecordingResult analyse(const recording::Input& recording,
+                                      std::string_view axis = "all");
 
 /// Hash of the content of a recording, 32 hexadecimal digits (XXH3, 128 bits); of a folder that of
 /// its files in the order of their names. Throws std::system_error.
@@ -134,6 +139,14 @@ struct AxisLikelihood {
   double log_white_variance = 0.0;  ///< variance of ln N at a point: 1 / (2 innovations)
 };
 [[nodiscard]] AxisLikelihood likelihood_of(const AxisResult& axis);
+
+/// Likeliest value of a coordinate, and the ends of the 95 % interval of its profile likelihood.
+struct Profile {
+  double best = 0.0;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+[[nodiscard]] Profile profile_of(const AxisLikelihood& axis, int coordinate);
 
 /// Normal population of the greatest likelihood, by expectation and maximisation from a first guess
 /// (Dempster, Laird and Rubin 1977): each step is a sum over the axes.

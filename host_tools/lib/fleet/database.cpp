@@ -6,13 +6,13 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "host_tools/lib/fleet/left_files.hpp"
+#include "host_tools/lib/fleet/statement.hpp"
 #include "host_tools/lib/output/output_file.hpp"
 
 namespace zerorate::fleet {
@@ -36,123 +36,6 @@ CREATE TABLE cause(hash TEXT, axis TEXT, place INTEGER, effect TEXT NOT NULL,
 /// Tables with the columns of their keys.
 constexpr std::array kTables = {std::pair{"meta", "1"}, std::pair{"recording", "1"},
                                 std::pair{"axis", "1, 2"}, std::pair{"cause", "1, 2, 3"}};
-
-[[noreturn]] void fail(sqlite3* database, const std::filesystem::path& path) {
-  const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
-  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
-    throw std::runtime_error(path.string() +
-                             ": another process is writing to this database; give each worker one "
-                             "of its own and join them with zerorate fleet merge");
-  }
-  throw std::runtime_error(
-      path.string() + ": " +
-      (database == nullptr ? "no memory" : std::string(sqlite3_errmsg(database))));
-}
-
-/// A prepared statement.
-class Statement {
- public:
-  Statement(sqlite3* database, const std::filesystem::path& path, const std::string& text)
-      : database_(database), path_(path) {
-    sqlite3_stmt* statement = nullptr;
-    if (sqlite3_prepare_v2(database, text.c_str(), -1, &statement, nullptr) != SQLITE_OK) {
-      fail(database, path);
-    }
-    statement_.reset(statement);
-  }
-
-  template <class... Values>
-  Statement& bind(const Values&... values) {
-    sqlite3_reset(get());
-    int place = 0;
-    (bind_one(++place, values), ...);
-    return *this;
-  }
-  /// Whether there is a row.
-  bool step() {
-    const int code = sqlite3_step(get());
-    if (code != SQLITE_ROW && code != SQLITE_DONE) fail(database_, path_);
-    return code == SQLITE_ROW;
-  }
-
-  [[nodiscard]] std::string text(int column) const {
-    const auto* const bytes = static_cast<const char*>(sqlite3_column_blob(get(), column));
-    return bytes == nullptr ? std::string{} : std::string(bytes, size(column));
-  }
-  [[nodiscard]] double real(int column) const { return sqlite3_column_double(get(), column); }
-  [[nodiscard]] std::optional<double> maybe_real(int column) const {
-    if (sqlite3_column_type(get(), column) == SQLITE_NULL) return std::nullopt;
-    return real(column);
-  }
-  [[nodiscard]] std::int64_t integer(int column) const {
-    return sqlite3_column_int64(get(), column);
-  }
-  /// Throws where the column has another size than the grid.
-  [[nodiscard]] std::vector<float> floats(int column) const {
-    const void* const bytes = sqlite3_column_blob(get(), column);
-    std::vector<float> values(size(column) / sizeof(float));
-    if (values.size() != Grid::kCells || size(column) % sizeof(float) != 0) {
-      throw std::runtime_error(path_.string() + ": a likelihood has not the size of the grid");
-    }
-    std::memcpy(values.data(), bytes, size(column));
-    return values;
-  }
-  /// Any value as text, in which a number has all its digits.
-  [[nodiscard]] std::string printed(int column) const {
-    switch (sqlite3_column_type(get(), column)) {
-      case SQLITE_FLOAT:
-        return fmt::format("{}", real(column));
-      case SQLITE_INTEGER:
-        return fmt::format("{}", integer(column));
-      case SQLITE_NULL:
-        return "NULL";
-      case SQLITE_BLOB: {
-        std::string hexadecimal;
-        for (const char byte : text(column)) {
-          hexadecimal += fmt::format("{:02x}", static_cast<unsigned char>(byte));
-        }
-        return hexadecimal;
-      }
-      default:
-        return text(column);
-    }
-  }
-  [[nodiscard]] int columns() const { return sqlite3_column_count(get()); }
-
- private:
-  struct Finaliser {
-    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-  };
-
-  [[nodiscard]] sqlite3_stmt* get() const { return statement_.get(); }
-  [[nodiscard]] std::size_t size(int column) const {
-    return static_cast<std::size_t>(sqlite3_column_bytes(get(), column));
-  }
-  void check(int code) const {
-    if (code != SQLITE_OK) fail(database_, path_);
-  }
-  void bind_one(int place, std::string_view text) const {
-    check(
-        sqlite3_bind_text64(get(), place, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
-  }
-  void bind_one(int place, double number) const {
-    check(sqlite3_bind_double(get(), place, number));
-  }
-  void bind_one(int place, std::int64_t number) const {
-    check(sqlite3_bind_int64(get(), place, number));
-  }
-  void bind_one(int place, const std::optional<double>& number) const {
-    check(number ? sqlite3_bind_double(get(), place, *number) : sqlite3_bind_null(get(), place));
-  }
-  void bind_one(int place, const std::vector<float>& values) const {
-    check(sqlite3_bind_blob64(get(), place, values.data(), values.size() * sizeof(float),
-                              SQLITE_TRANSIENT));
-  }
-
-  sqlite3* database_;
-  const std::filesystem::path& path_;
-  std::unique_ptr<sqlite3_stmt, Finaliser> statement_;
-};
 
 AxisResult axis_of(const Statement& row) {
   return {.axis = row.text(1),
@@ -230,6 +113,25 @@ void Database::check_engine(Access access) {
         "the recordings again into another database, or use that program.",
         path_.string(), found, engine()));
   }
+}
+
+void Database::require_format(const std::string& options) {
+  const std::string found = format();
+  if (found == options) return;
+  if (size() > 0) {
+    throw std::runtime_error(fmt::format(
+        "{}: its recordings were read with {}, and now with {}; figures of two readings are not "
+        "comparable. Run the recordings again into another database, or use those options.",
+        path_.string(), found.empty() ? "no options" : found, options.empty() ? "none" : options));
+  }
+  Statement{handle_.get(), path_, "INSERT OR REPLACE INTO meta VALUES('format', ?1)"}
+      .bind(std::string_view{options})
+      .step();
+}
+
+std::string Database::format() const {
+  Statement found{handle_.get(), path_, "SELECT value FROM meta WHERE key = 'format'"};
+  return found.step() ? found.text(0) : std::string{};
 }
 
 void Database::execute(const std::string& statements) const {
@@ -364,7 +266,7 @@ void merge(const std::vector<std::filesystem::path>& shards, const std::filesyst
     {
       Database joined{work, Database::Access::write};
       for (const fs::path& source : sources) {
-        static_cast<void>(Database{source, Database::Access::read});  // its engine, or a message
+        joined.require_format(Database{source, Database::Access::read}.format());
         Statement{joined.handle_.get(), joined.path_, "ATTACH ?1 AS shard"}
             .bind(source.string())
             .step();

@@ -37,6 +37,13 @@ inline constexpr const char* kListName = "fleet.csv";
 /// that names file, line and reason.
 [[nodiscard]] std::vector<Entry> list_recordings(const std::filesystem::path& folder_or_list);
 
+/// Sets the lots of recordings that the list gives none.
+/// @param rule  "folder": the folder that a recording lies in; else a regular expression
+///   (ECMAScript) whose first group, or whole match, in the name is the lot
+/// Throws std::invalid_argument for an expression that is none, and where a recording has no lot by
+/// the rule.
+void set_lots(std::vector<Entry>& recordings, const std::string& rule);
+
 /// Recording with its results.
 struct StoredRecording {
   std::string hash;
@@ -56,6 +63,10 @@ class Database {
   /// Opens a database, or makes one if it is to be written. Refuses a database of another engine:
   /// results of two are not comparable.
   Database(const std::filesystem::path& path, Access access);
+
+  /// Remembers how recordings are read: options as typed, empty for none. Refuses a database whose
+  /// recordings were read otherwise: the results would not be comparable.
+  void require_format(const std::string& options);
 
   /// Version of the program and of its analysis.
   [[nodiscard]] static std::string engine();
@@ -81,6 +92,7 @@ class Database {
     void operator()(sqlite3* database) const;
   };
 
+  [[nodiscard]] std::string format() const;
   void check_engine(Access access);
   void execute(const std::string& statements) const;
 
@@ -108,7 +120,9 @@ struct Progress {
 
 struct RunOptions {
   Shard shard;
-  unsigned jobs = 1;  ///< threads; 0: as many as the machine has
+  unsigned jobs = 1;          ///< threads; 0: as many as the machine has
+  recording::Input format{};  ///< layout of every recording; its path does not count
+  std::string axis = "all";   ///< x, y, z or all
   std::function<void(const Progress&)> on_progress;
 };
 

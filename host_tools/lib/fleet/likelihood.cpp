@@ -197,6 +197,27 @@ AxisLikelihood likelihood_of(const AxisResult& axis) {
   return fine;
 }
 
+Profile profile_of(const AxisLikelihood& axis, int coordinate) {
+  Profile profile{.lo = std::numeric_limits<double>::infinity(),
+                  .hi = -std::numeric_limits<double>::infinity()};
+  float best = -std::numeric_limits<float>::infinity();
+  for (const GridPoint& point : axis.points) {
+    const double x = double{point.position[coordinate]};
+    if (point.log_likelihood > best) {
+      best = point.log_likelihood;
+      profile.best = x;
+    }
+    const double left_nats = double{point.log_likelihood} + statistics::kHalfChiSquared95;
+    if (left_nats < 0.0) continue;
+    // The error of ln N takes the nats that the point leaves of the interval's.
+    const double error =
+        coordinate < 2 ? std::sqrt(2.0 * left_nats * axis.log_white_variance) : 0.0;
+    profile.lo = std::min(profile.lo, x - error);
+    profile.hi = std::max(profile.hi, x + error);
+  }
+  return profile;
+}
+
 std::vector<double> weights_of_cells(const std::vector<std::vector<float>>& log_likelihoods) {
   constexpr int kSteps = 300;
   std::vector<std::vector<float>> likelihoods = log_likelihoods;

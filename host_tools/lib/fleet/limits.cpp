@@ -1,6 +1,7 @@
 // End-of-line test: limits of a type, and one recording judged by them.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "firmware/toml/strict_table.hpp"
+#include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/fleet/population.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -49,19 +51,45 @@ Range exponential(const Range& range) {
   return {std::exp(range.lo), std::exp(range.hi)};
 }
 
-/// Standard error that the axes have of a coordinate in the middle, at a length of the test, or
-/// nothing where most of them have little information on it.
-std::optional<double> error_at(const Population& population, int coordinate, double test_s) {
-  std::vector<double> errors;
-  const double variance = population.distribution.covariance(coordinate, coordinate);
+/// Distance from the mean of the population to a limit that good sensors keep in a test of this
+/// length: where a sensor lies and where the test finds it, and beyond that the half of its
+/// interval which nearly all stay below.
+/// @param side  half of an interval of a member's profile
+template <class Side>
+double distance_to_limit(const Population& population, int coordinate, double test_s,
+                         const Side& side) {
+  constexpr double kNearlyAll = 0.95;
+  std::vector<double> halves;
   for (const Member& member : population.members) {
     if (!member.is_in_core) continue;
-    const double left = member.evidence.posterior.covariance(coordinate, coordinate);
-    if (left >= 0.95 * variance) return std::nullopt;
     const double rest_s = population.recordings[member.recording].result.rest_s;
-    errors.push_back(std::sqrt(rest_s / test_s / (1.0 / left - 1.0 / variance)));
+    halves.push_back(side(member.profiles[static_cast<std::size_t>(coordinate)]) *
+                     std::sqrt(rest_s / test_s));
   }
-  return statistics::median_of(std::move(errors));
+  std::ranges::sort(halves);
+  const double error = statistics::quantile_of_sorted(halves, 0.5) / statistics::kHalfWidth95;
+  return kSigmasOfLimits * std::hypot(population.spread(coordinate), error) +
+         statistics::quantile_of_sorted(halves, kNearlyAll);
+}
+
+/// Range of a coordinate for a test of this length; nothing where a limit would be so far away that
+/// no sensor fails.
+std::optional<Range> range_for_test(const Population& population, int coordinate, double test_s) {
+  constexpr double kFarthest = 4.0;  // times the distance without errors
+  const double mean = population.distribution.mean[coordinate];
+  const double below = distance_to_limit(population, coordinate, test_s,
+                                         [](const Profile& one) { return one.best - one.lo; });
+  const double above = distance_to_limit(population, coordinate, test_s,
+                                         [](const Profile& one) { return one.hi - one.best; });
+  Range range{mean - below, mean + above};
+  const bool is_beyond_grid =
+      coordinate == 2 && range.lo <= Grid::order(0) && range.hi >= Grid::order(Grid::kOrders - 1);
+  if (above > kFarthest * kSigmasOfLimits * population.spread(coordinate) || is_beyond_grid) {
+    return std::nullopt;
+  }
+  // A short test cannot exclude that there is no flicker noise, which is no fault.
+  if (coordinate == 1) range.lo = -std::numeric_limits<double>::infinity();
+  return range;
 }
 
 /// Range of the mean rates by median and quartiles; nothing where they are all alike.
@@ -95,32 +123,6 @@ JudgedFigure judged(const std::string& axis, const char* figure, double value,
   return one;
 }
 
-/// Likeliest value of a coordinate, and the 95 % interval of its profile likelihood.
-struct Profile {
-  double best = 0.0;
-  Range interval;
-};
-Profile profile_of(const AxisLikelihood& axis, int coordinate) {
-  Profile profile{.interval = {std::numeric_limits<double>::infinity(),
-                               -std::numeric_limits<double>::infinity()}};
-  float best = -std::numeric_limits<float>::infinity();
-  for (const GridPoint& point : axis.points) {
-    const double x = double{point.position[coordinate]};
-    if (point.log_likelihood > best) {
-      best = point.log_likelihood;
-      profile.best = x;
-    }
-    const double left_nats = double{point.log_likelihood} + statistics::kHalfChiSquared95;
-    if (left_nats < 0.0) continue;
-    // The error of ln N takes the nats that the point leaves of the interval's.
-    const double error =
-        coordinate < 2 ? std::sqrt(2.0 * left_nats * axis.log_white_variance) : 0.0;
-    profile.interval.lo = std::min(profile.interval.lo, x - error);
-    profile.interval.hi = std::max(profile.interval.hi, x + error);
-  }
-  return profile;
-}
-
 void judge_noise(const AxisResult& axis, const Limits& limits, std::vector<JudgedFigure>& out) {
   const AxisLikelihood likelihood = likelihood_of(axis);
   const auto judge = [&](const FigureEntry& entry, int coordinate) {
@@ -128,8 +130,10 @@ void judge_noise(const AxisResult& axis, const Limits& limits, std::vector<Judge
     if (!range) return;
     const Profile profile = profile_of(likelihood, coordinate);
     const bool is_log = coordinate < 2;
-    out.push_back(judged(axis.axis, entry.key, is_log ? std::exp(profile.best) : profile.best,
-                         is_log ? exponential(profile.interval) : profile.interval, *range));
+    out.push_back(judged(
+        axis.axis, entry.key, is_log ? std::exp(profile.best) : profile.best,
+        is_log ? Range{std::exp(profile.lo), std::exp(profile.hi)} : Range{profile.lo, profile.hi},
+        *range));
   };
   for (int coordinate = 0; coordinate < kCoordinates; ++coordinate) {
     judge(figures()[static_cast<std::size_t>(coordinate)], coordinate);
@@ -150,19 +154,16 @@ std::string reason_of(const JudgedFigure& one) {
 Limits limits_of(const Population& population, double test_s) {
   Limits limits{.shortest_s = test_s};
   const auto set = [&](int coordinate, std::optional<Range>& range) {
-    const double spread = population.spread(coordinate);
-    const char* const figure = figures()[static_cast<std::size_t>(coordinate)].key;
-    if (test_s > 0.0) {
-      // An interval of a quarter of the limits' width decides nearly every sensor.
-      const auto error = error_at(population, coordinate, test_s);
-      if (!error || statistics::kHalfWidth95 * *error > 0.5 * kSigmasOfLimits * spread) {
-        limits.remarks.push_back(
-            fmt::format("{}: a test of {:g} s is too short to decide it", figure, test_s));
-        return;
-      }
+    std::optional<Range> all =
+        range_of(population.distribution.mean[coordinate], population.spread(coordinate));
+    if (test_s > 0.0) all = range_for_test(population, coordinate, test_s);
+    if (!all) {
+      limits.remarks.push_back(fmt::format("{}: a test of {:g} s is too short to decide it",
+                                           figures()[static_cast<std::size_t>(coordinate)].key,
+                                           test_s));
+      return;
     }
-    const Range all = range_of(population.distribution.mean[coordinate], spread);
-    range = coordinate == 2 ? all : exponential(all);
+    range = coordinate == 2 ? *all : exponential(*all);
   };
   set(0, limits.angle_random_walk_rad_per_sqrt_s);
   set(1, limits.bias_instability_rad_s);
@@ -176,6 +177,9 @@ Limits limits_of(const Population& population, double test_s) {
 std::string format_limits(const Limits& limits) {
   std::string text =
       fmt::format("schema = \"{}\"\nshortest_s = {}\n", kLimitsSchema, limits.shortest_s);
+  if (!limits.fail_on.empty()) {
+    text += fmt::format("fail_on = [\"{}\"]\n", fmt::join(limits.fail_on, "\", \""));
+  }
   for (const std::string& remark : limits.remarks) text += "# " + remark + "\n";
   for (const FigureEntry& entry : figures()) {
     const std::optional<Range>& range = limits.*entry.range;
@@ -185,6 +189,31 @@ std::string format_limits(const Limits& limits) {
   }
   return text;
 }
+
+namespace {
+
+/// Effects that fail a sensor.
+std::vector<std::string> read_fail_on(toml_file::StrictTable& top) {
+  constexpr std::string_view kWords = "a list of effects in quotes, such as [\"bias_jump\"]";
+  std::vector<std::string> effects;
+  const toml::node* const node = top.find("fail_on", kWords, toml_file::Presence::optional);
+  if (node == nullptr) return effects;
+  std::vector<std::string> known;
+  known.reserve(diagnose::kEffects.size());
+  for (const auto make : diagnose::kEffects) known.emplace_back(make()->name());
+  if (node->as_array() == nullptr) top.fail_at("fail_on", fmt::format("expected {}", kWords));
+  for (const toml::node& element : *node->as_array()) {
+    const std::string name = element.value_or(std::string{});
+    if (std::ranges::find(known, name) == known.end()) {
+      top.fail_at("fail_on", fmt::format("found \"{}\", expected effects of the diagnosis: {}",
+                                         name, fmt::join(known, ", ")));
+    }
+    effects.push_back(name);
+  }
+  return effects;
+}
+
+}  // namespace
 
 Limits parse_limits(std::string_view toml, std::string_view origin) {
   using toml_file::Presence;
@@ -196,6 +225,7 @@ Limits parse_limits(std::string_view toml, std::string_view origin) {
   }
   Limits limits;
   limits.shortest_s = top.number("shortest_s", kNotNegative, Presence::optional).value_or(0.0);
+  limits.fail_on = read_fail_on(top);
   for (const FigureEntry& entry : figures()) {
     auto table = top.table(entry.key, Presence::optional);
     if (!table) continue;
@@ -225,8 +255,53 @@ std::string_view name(Judgement judgement) {
   return "";
 }
 
-Acceptance accept(const std::filesystem::path& recording, const Limits& limits) {
-  recording::Reader reader{recording::Input{recording}};
+namespace {
+
+/// Noise of the axes, with causes where the limits name some.
+std::vector<AxisResult> axes_for(const recording::Input& recording,
+                                 const identify::RestSamples& samples, const Limits& limits,
+                                 std::string_view axis) {
+  return limits.fail_on.empty() ? noise_of(samples, axis) : analyse(recording, axis).axes;
+}
+
+/// Fails a sensor for causes that the limits name.
+void judge_causes(const AxisResult& axis, const Limits& limits, Acceptance& acceptance) {
+  for (const Cause& cause : axis.causes) {
+    if (cause.may_be_order ||
+        std::ranges::find(limits.fail_on, cause.effect) == limits.fail_on.end()) {
+      continue;
+    }
+    acceptance.judgement = Judgement::fail;
+    acceptance.reasons.push_back(fmt::format("axis {}: {}, with a probability of {:.3g}", axis.axis,
+                                             cause.effect, cause.probability));
+  }
+}
+
+/// Judges the figures together: one that fails outweighs all.
+void judge_figures(Acceptance& acceptance) {
+  Judgement judgement = Judgement::pass;
+  for (const Judgement one : {Judgement::too_short, Judgement::fail}) {
+    if (std::ranges::find(acceptance.figures, one, &JudgedFigure::judgement) !=
+        acceptance.figures.end()) {
+      judgement = one;
+    }
+  }
+  if (acceptance.judgement != Judgement::fail) acceptance.judgement = judgement;
+  for (const JudgedFigure& one : acceptance.figures) {
+    if (one.judgement == judgement && judgement != Judgement::pass) {
+      acceptance.reasons.push_back(reason_of(one));
+    }
+  }
+  if (acceptance.judgement == Judgement::pass) {
+    acceptance.reasons.push_back(
+        fmt::format("{} figures lie inside of their limits", acceptance.figures.size()));
+  }
+}
+
+}  // namespace
+
+Acceptance accept(const recording::Input& recording, const Limits& limits, std::string_view which) {
+  recording::Reader reader{recording};
   const identify::RestSamples samples = read_population_samples(reader);
   // Periods of the samples together. Stamps at the ends may hide one more.
   const double period_s = units::seconds(samples.mean_period.ns());
@@ -238,7 +313,8 @@ Acceptance accept(const std::filesystem::path& recording, const Limits& limits) 
                                              units::in_figures(limits.shortest_s, 4)));
     return acceptance;
   }
-  for (const AxisResult& axis : noise_of(samples)) {
+  for (const AxisResult& axis : axes_for(recording, samples, limits, which)) {
+    judge_causes(axis, limits, acceptance);
     judge_noise(axis, limits, acceptance.figures);
     if (!limits.mean_rate_rad_s) continue;
     // It is the mean of the recording, not a forecast of the next hour's.
@@ -246,17 +322,7 @@ Acceptance accept(const std::filesystem::path& recording, const Limits& limits) 
                                         {axis.mean_rate_rad_s, axis.mean_rate_rad_s},
                                         *limits.mean_rate_rad_s));
   }
-  for (const Judgement judgement : {Judgement::too_short, Judgement::fail}) {
-    if (std::ranges::find(acceptance.figures, judgement, &JudgedFigure::judgement) !=
-        acceptance.figures.end()) {
-      acceptance.judgement = judgement;
-    }
-  }
-  for (const JudgedFigure& one : acceptance.figures) {
-    if (one.judgement == acceptance.judgement && one.judgement != Judgement::pass) {
-      acceptance.reasons.push_back(reason_of(one));
-    }
-  }
+  judge_figures(acceptance);
   return acceptance;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/fleet/lots.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::fleet {
@@ -41,26 +43,25 @@ class Fit {
           std::to_string(population_.members.size()));
     }
     count_effects();
+    find_clean();
   }
 
   Population perform() {
     population_.distribution = first_guess();
     for (int round = 0; round < kRounds; ++round) {
-      choose_core();
-      std::vector<bool> is_in;
-      for (const std::size_t member : fitted_)
-        is_in.push_back(population_.members[member].is_in_core);
+      population_.warnings.clear();
+      const std::vector<bool> is_in = choose_core();
       population_.core = static_cast<std::size_t>(
           std::ranges::count(population_.members, true, &Member::is_in_core));
-      if (static_cast<std::size_t>(std::ranges::count(is_in, true)) < kFewestAxes) {
-        throw std::runtime_error(
-            "fewer than 8 axes are without a rare effect: this fleet has no common population");
-      }
       population_.distribution = fit_normal(likelihoods_, is_in, population_.distribution);
       assess_all();
       judge_sensors();
+      choose_reference_lots(population_);
       compare_lots(population_);
     }
+    measure_lot_effects(population_, [&](std::size_t member) {
+      return member < likelihoods_.size() ? &likelihoods_[member] : nullptr;
+    });
     find_changes();
     set_mean_error();
     set_weights();
@@ -155,15 +156,50 @@ class Fit {
     return {.mean = {middle, slow, 0.55}, .covariance = Point{0.1, 0.5, 0.02}.asDiagonal()};
   }
 
-  void choose_core() {
+  void find_clean() {
     for (Member& member : population_.members) {
       const AxisResult& axis = result_of(member);
       const bool has_rare_effect =
           std::ranges::any_of(axis.causes, [&](const Cause& cause) { return counts(cause); });
-      member.is_in_core = !axis.verdict.empty() && axis.verdict != "unexplained" &&
-                          !has_rare_effect && member.evidence.log_p > kLogTrimmed &&
-                          !population_.lots[member.lot].differs;
+      member.is_clean = !axis.verdict.empty() && axis.verdict != "unexplained" && !has_rare_effect;
     }
+  }
+
+  /// Conditions of an axis of the core, from the strictest on.
+  enum class Asked : std::uint8_t { usual, any_lot, any_distance, nothing };
+
+  [[nodiscard]] bool fulfils(const Member& member, Asked asked) const {
+    if (asked == Asked::nothing) return true;
+    if (!member.is_clean) return false;
+    if (asked == Asked::any_distance) return true;
+    return member.evidence.log_p > kLogTrimmed &&
+           (asked == Asked::any_lot || !population_.lots[member.lot].differs);
+  }
+
+  /// @return by fitted likelihood, whether it is in the core
+  std::vector<bool> choose_core() {
+    std::vector<bool> is_in;
+    for (const auto& [asked, warning] :
+         {std::pair{Asked::usual, ""},
+          std::pair{Asked::any_lot,
+                    "fewer than 8 axes are left without the lots that differ: the "
+                    "population holds all lots"},
+          std::pair{Asked::any_distance,
+                    "fewer than 8 axes lie near each other: the population holds all axes without "
+                    "rare effects"},
+          std::pair{Asked::nothing,
+                    "fewer than 8 axes are without a rare effect or something unexplained: the "
+                    "population holds all axes"}}) {
+      is_in.clear();
+      for (Member& member : population_.members) member.is_in_core = fulfils(member, asked);
+      for (const std::size_t member : fitted_) {
+        is_in.push_back(population_.members[member].is_in_core);
+      }
+      if (static_cast<std::size_t>(std::ranges::count(is_in, true)) < kFewestAxes) continue;
+      if (asked != Asked::usual) population_.warnings.emplace_back(warning);
+      break;
+    }
+    return is_in;
   }
 
   void assess_all() {
@@ -172,9 +208,12 @@ class Fit {
       if (!one.problem.empty()) return;
       for (const AxisResult& axis : one.result.axes) {
         Member& judged = population_.members[member];
-        judged.evidence =
-            evidence_of(member < likelihoods_.size() ? likelihoods_[member] : likelihood_of(axis),
-                        population_.distribution);
+        const AxisLikelihood likelihood =
+            member < likelihoods_.size() ? likelihoods_[member] : likelihood_of(axis);
+        judged.evidence = evidence_of(likelihood, population_.distribution);
+        for (int i = 0; i < kCoordinates; ++i) {
+          judged.profiles[static_cast<std::size_t>(i)] = profile_of(likelihood, i);
+        }
         ++member;
       }
     });

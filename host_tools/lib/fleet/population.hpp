@@ -4,6 +4,7 @@
 /// formulas.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -24,6 +25,8 @@ struct Member {
   std::size_t lot = 0;        ///< index
   std::string axis;
   SensorEvidence evidence;
+  std::array<Profile, kCoordinates> profiles;
+  bool is_clean = false;    ///< diagnosed, and free of rare effects and of what is unexplained
   bool is_in_core = false;  ///< the population is fitted to it
 };
 
@@ -48,14 +51,23 @@ struct Sensor {
   bool has_changed = false;
 };
 
-/// One lot beside all others.
+/// Difference of a lot from the lots of the reference: of ln N, ln B or d. It is not drawn towards
+/// the population, as the estimates of single axes are.
+struct LotEffect {
+  double value = 0.0;
+  double lo = 0.0;  ///< 95 % interval
+  double hi = 0.0;
+};
+
+/// One lot beside the other lots of the reference.
 struct LotFigure {
   std::size_t lot = 0;
   std::string what;          ///< a coordinate, or "outliers"
-  double lot_value = 0.0;    ///< median of the lot's sensors, SI; share of the outliers
-  double other_value = 0.0;  ///< value of the other sensors
+  double lot_value = 0.0;    ///< middle of the lot's sensors, SI; share of the outliers
+  double other_value = 0.0;  ///< value of the sensors of the reference
   double p_value = 1.0;
-  bool differs = false;  ///< the lot differs, and this figure alone shows it
+  bool differs = false;             ///< the lot differs, and this figure alone shows it
+  std::optional<LotEffect> effect;  ///< nullopt where the recordings do not determine it
 };
 
 struct Lot {
@@ -63,6 +75,7 @@ struct Lot {
   std::size_t sensors = 0;
   double q_value = 1.0;  ///< false discovery rate at which the lot is named
   bool differs = false;
+  bool is_reference = false;  ///< other lots are compared with it
 };
 
 /// An effect in the fleet.
@@ -87,9 +100,10 @@ struct Population {
   std::vector<LotFigure> lot_figures;  ///< the least p-value first
   std::vector<EffectCount> effects;    ///< the most frequent first
   std::vector<StoredRecording> bad;
-  Normal distribution;               ///< distribution of the core
-  Point mean_error = Point::Zero();  ///< standard errors of the mean, sensors being independent
-  std::size_t core = 0;              ///< axes
+  std::vector<std::string> warnings;  ///< weaknesses of what the figures rest on
+  Normal distribution;                ///< distribution of the core
+  Point mean_error = Point::Zero();   ///< standard errors of the mean, sensors being independent
+  std::size_t core = 0;               ///< axes
   /// Weights of the cells of Grid over the core: nonparametric maximum likelihood.
   std::vector<double> weights;
   PopulationOptions options;
@@ -99,18 +113,14 @@ struct Population {
 
 /// Fits the population of a database, by expectation and maximisation over each axis's likelihood:
 /// errors of the recordings widen nothing. Sensors with rare effects, far from the rest or
-/// of a lot that differs are left out of the fit and are judged by it.
+/// of a lot that differs are left out of the fit and are judged by it; where fewer than 8 axes are
+/// left, less is asked of them, with a warning.
 /// Memory: some 10 kB an axis. Throws std::runtime_error with fewer than 8 usable axes.
 [[nodiscard]] Population fit_population(const Database& database, const PopulationOptions& options);
 
 /// Model of the next sensor of this type: medians of the population, and [prior] as wide as the
 /// population, less certain where few sensors were seen.
 [[nodiscard]] model::SensorModel type_model(const Population& population, const std::string& name);
-
-/// Compares each lot with all others, figure by figure: rank sums (Mann and Whitney 1947) of the
-/// sensors' noise, and the share of outliers (Fisher's exact test). The least p-value of a lot,
-/// times the number of its figures, is that of the lot. Sets the lots and their figures.
-void compare_lots(Population& population);
 
 /// q-values in the order of the tests: the least false discovery rate at which each of them is
 /// named (Benjamini and Hochberg 1995).
@@ -140,13 +150,14 @@ struct Limits {
   std::optional<Range> bias_instability_rad_s;
   std::optional<Range> order;
   std::optional<Range> mean_rate_rad_s;
+  std::vector<std::string> fail_on;  ///< effects that fail a sensor; they take a diagnosis
   std::vector<std::string> remarks;  ///< comments of the file
 };
 
 /// Limits that all but one in a thousand axes of the population keep, normal tails assumed.
-/// @param test_s  length of the test: figures that a recording of this length cannot separate from
-/// its
-///   limits are left out, with a remark; 0: none is
+/// @param test_s  length of the test, whose errors are then allowed for, so that at most one good
+///   sensor in twenty is too short to decide; a figure that it cannot decide is left out, with a
+///   remark. 0: no errors are allowed for
 [[nodiscard]] Limits limits_of(const Population& population, double test_s);
 
 /// Limits as TOML; docs/reference/fleets.md has the format.
@@ -174,14 +185,16 @@ struct Acceptance {
   Judgement judgement = Judgement::pass;
   double rest_s = 0.0;
   std::vector<JudgedFigure> figures;
-  std::vector<std::string> reasons;  ///< why it fails, or is too short
+  std::vector<std::string> reasons;  ///< why it is judged so
 };
 
 /// Judges a recording at rest. A figure fails where its 95 % interval lies outside of the limits,
 /// passes where it lies inside, and is too short to decide where a limit lies in between. One
 /// figure that fails fails the sensor. B and d are judged together, by the likelihood on the grid.
+/// @param axis  x, y, z or all
 /// Cost: below a second for three axes of 6,000 samples. Throws recording::DataError.
-[[nodiscard]] Acceptance accept(const std::filesystem::path& recording, const Limits& limits);
+[[nodiscard]] Acceptance accept(const recording::Input& recording, const Limits& limits,
+                                std::string_view axis = "all");
 
 [[nodiscard]] std::string to_json(const Acceptance& acceptance, const std::string& recording);
 

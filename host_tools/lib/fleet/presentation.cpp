@@ -6,9 +6,8 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
-#include "host_tools/lib/fleet/population.hpp"
+#include "host_tools/lib/fleet/presentation.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -17,14 +16,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Presentation of a coordinate.
-struct Shown {
-  const char* name;
-  const char* key;
-  const char* unit;
-  double per_si;
-  bool is_log;
-};
+/// Text as a cell of CSV (RFC 4180).
+std::string cell_of(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string cell = "\"";
+  for (const char c : text) cell += c == '"' ? std::string{"\"\""} : std::string{c};
+  return cell + '"';
+}
+
+std::vector<const Sensor*> sensors_where(const Population& population, bool Sensor::*flag,
+                                         double Sensor::*order) {
+  std::vector<const Sensor*> sensors;
+  for (const Sensor& sensor : population.sensors) {
+    if (sensor.*flag) sensors.push_back(&sensor);
+  }
+  std::ranges::stable_sort(sensors, {}, [&](const Sensor* sensor) { return sensor->*order; });
+  return sensors;
+}
+}  // namespace
+
 const std::array<Shown, kCoordinates>& shown() {
   static const std::array<Shown, kCoordinates> all = {
       Shown{"Angle random walk N", "angle_random_walk_dps_per_sqrt_hz", "deg/s/sqrt(Hz)",
@@ -34,7 +44,6 @@ const std::array<Shown, kCoordinates>& shown() {
   return all;
 }
 
-/// A place of the coordinate, so many spreads from the mean, in its unit.
 double at(const Population& population, int coordinate, double sigmas) {
   const Shown& one = shown()[static_cast<std::size_t>(coordinate)];
   const double x =
@@ -48,15 +57,19 @@ double in_unit(const LotFigure& figure, double value) {
   return value * shown()[static_cast<std::size_t>(found - kCoordinateNames.begin())].per_si;
 }
 
-std::vector<const Sensor*> sensors_where(const Population& population, bool Sensor::*flag,
-                                         double Sensor::*order) {
-  std::vector<const Sensor*> sensors;
-  for (const Sensor& sensor : population.sensors) {
-    if (sensor.*flag) sensors.push_back(&sensor);
-  }
-  std::ranges::stable_sort(sensors, {}, [&](const Sensor* sensor) { return sensor->*order; });
-  return sensors;
+LotEffect effect_in_words(const LotFigure& figure) {
+  if (figure.what == kCoordinateNames.back()) return *figure.effect;
+  return {std::exp(figure.effect->value), std::exp(figure.effect->lo), std::exp(figure.effect->hi)};
 }
+
+std::string effect_text(const LotFigure& figure) {
+  if (!figure.effect) return {};
+  const LotEffect effect = effect_in_words(figure);
+  const bool is_order = figure.what == kCoordinateNames.back();
+  return fmt::format("{}{:.3g} [{:.3g}, {:.3g}]{}", is_order ? "by " : "", effect.value, effect.lo,
+                     effect.hi, is_order ? "" : " times");
+}
+
 std::vector<const Sensor*> outliers(const Population& population) {
   return sensors_where(population, &Sensor::is_outlier, &Sensor::q_value);
 }
@@ -89,120 +102,18 @@ std::string lead_of(const Population& population) {
   const auto bad_lots = std::ranges::count(population.lots, true, &Lot::differs);
   return fmt::format(
       "{} recordings of {} sensors; {} of {} axes make the population. {} sensors leave it at a "
-      "false discovery rate of {:g}, {} lots differ from the others, {} sensors changed between "
-      "recordings, and {} recordings could not be used.",
+      "false discovery rate of {:g}, {} of {} lots differ{} from the reference, {} sensors changed "
+      "between recordings, and {} recordings could not be used.",
       population.recordings.size(), population.sensors.size(), population.core,
       population.members.size(), outliers(population).size(),
-      population.options.false_discovery_rate, bad_lots, changed(population).size(),
-      population.bad.size());
+      population.options.false_discovery_rate, bad_lots, population.lots.size(),
+      bad_lots == 1 ? "s" : "", changed(population).size(), population.bad.size());
 }
-
-/// Text as a cell of CSV (RFC 4180).
-std::string cell_of(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string cell = "\"";
-  for (const char c : text) cell += c == '"' ? std::string{"\"\""} : std::string{c};
-  return cell + '"';
-}
-
-report::Table distribution_table(const Population& population) {
-  report::Table table{.caption =
-                          "The spread is that of the sensors: errors of the recordings are "
-                          "not in it.",
-                      .columns = {{"Figure"},
-                                  {"Unit"},
-                                  {"Median", "", 5},
-                                  {"1 of 40 below", "", 5},
-                                  {"1 of 40 above", "", 5},
-                                  {"Spread", "of ln N, ln B, d", 3},
-                                  {"Error of the mean", "of ln N, ln B, d", 4}}};
-  for (int i = 0; i < kCoordinates; ++i) {
-    const Shown& one = shown()[static_cast<std::size_t>(i)];
-    table.rows.push_back({one.name, one.unit, at(population, i, 0.0),
-                          at(population, i, -statistics::kHalfWidth95),
-                          at(population, i, statistics::kHalfWidth95), population.spread(i),
-                          population.mean_error[i]});
-  }
-  return table;
-}
-
-/// Shares of the sensors' estimates in bins beside what the fitted distribution expects.
-report::Chart histogram(const Population& population, int coordinate) {
-  constexpr int kBins = 24;
-  constexpr double kReach = 4.0;  // spreads
-  const Shown& one = shown()[static_cast<std::size_t>(coordinate)];
-  std::vector<double> counts(kBins);
-  for (const Member& member : population.members) {
-    const double sigmas =
-        (member.evidence.posterior.mean[coordinate] - population.distribution.mean[coordinate]) /
-        population.spread(coordinate);
-    const auto bin = static_cast<int>(std::floor((sigmas / kReach + 1.0) * 0.5 * kBins));
-    counts[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))] += 1.0;
-  }
-  report::Series axes{.name = "Axes", .style = report::SeriesStyle::steps};
-  report::Series fitted{.name = "Fitted distribution", .dashed = true};
-  for (int bin = 0; bin < kBins; ++bin) {
-    const double left = (2.0 * bin / kBins - 1.0) * kReach;
-    const double middle = left + kReach / kBins;
-    axes.x.push_back(at(population, coordinate, left));
-    axes.y.push_back(counts[static_cast<std::size_t>(bin)]);
-    fitted.x.push_back(at(population, coordinate, middle));
-    fitted.y.push_back(static_cast<double>(population.members.size()) * 2.0 * kReach / kBins *
-                       std::exp(-0.5 * middle * middle) / std::sqrt(2.0 * std::numbers::pi));
-  }
-  return {
-      .title = one.name,
-      .caption =
-          "Most probable figure of each axis, the population being known; the last bins "
-          "hold all that is farther away.",
-      .x = {one.name, one.unit, one.is_log ? report::Scale::logarithmic : report::Scale::linear},
-      .y = {"Axes"},
-      .series = {std::move(axes), std::move(fitted)}};
-}
-
-report::Table effect_table(const Population& population) {
-  report::Table table{.columns = {{"Effect"}, {"Axes"}, {"Sensors"}, {"Taken for"}}};
-  for (const EffectCount& effect : population.effects) {
-    table.rows.push_back({effect.effect, effect.axes, effect.sensors,
-                          effect.is_common ? "a property of the type" : "a reason to leave"});
-  }
-  return table;
-}
-
-report::Table lot_table(const Population& population) {
-  report::Table table{
-      .caption = "p is that of the figure, q the false discovery rate at which the lot is named.",
-      .columns = {{"Lot"},
-                  {"Figure"},
-                  {"Lot", "", 5},
-                  {"Others", "", 5},
-                  {"p", "", 6},
-                  {"q", "", 4},
-                  {"Differs"}}};
-  constexpr std::size_t kMostRows = 40;
-  for (const LotFigure& figure : population.lot_figures) {
-    if (table.rows.size() == kMostRows) break;
-    table.rows.push_back({population.lots[figure.lot].name, figure.what,
-                          in_unit(figure, figure.lot_value), in_unit(figure, figure.other_value),
-                          figure.p_value, population.lots[figure.lot].q_value,
-                          figure.differs ? "yes" : ""});
-  }
-  return table;
-}
-
-report::Table outlier_table(const Population& population) {
-  report::Table table{.columns = {{"Sensor"}, {"Lot"}, {"Reason"}, {"q", "", 6}}};
-  for (const Sensor* sensor : outliers(population)) {
-    table.rows.push_back({sensor->name, population.lots[sensor->lot].name,
-                          words(sensor->reasons.front()), sensor->q_value});
-  }
-  return table;
-}
-
-}  // namespace
 
 std::string to_text(const Population& population) {
-  std::string text = lead_of(population) + "\n\n";
+  std::string text = lead_of(population) + "\n";
+  for (const std::string& warning : population.warnings) text += "warning: " + warning + "\n";
+  text += "\n";
   for (int i = 0; i < kCoordinates; ++i) {
     const Shown& one = shown()[static_cast<std::size_t>(i)];
     text += fmt::format("  {:<21} {:>10.4g}  [{:.4g}, {:.4g}] {}\n", one.name,
@@ -220,9 +131,18 @@ std::string to_text(const Population& population) {
   }
   for (const LotFigure& figure : population.lot_figures) {
     if (!figure.differs) continue;
-    text += fmt::format("lot {}: {} is {:.4g}, of the others {:.4g} (q = {:.2g})\n",
+    if (figure.what == "outliers") {
+      text += fmt::format(
+          "lot {}: {:.2g} of its sensors leave the population, of the reference {:.2g} (q = "
+          "{:.2g})\n",
+          population.lots[figure.lot].name, figure.lot_value, figure.other_value,
+          population.lots[figure.lot].q_value);
+      continue;
+    }
+    text += fmt::format("lot {}: {} is {:.4g}, of the reference {:.4g}{}{} (q = {:.2g})\n",
                         population.lots[figure.lot].name, figure.what,
                         in_unit(figure, figure.lot_value), in_unit(figure, figure.other_value),
+                        figure.effect ? ": " : "", effect_text(figure),
                         population.lots[figure.lot].q_value);
   }
   for (const Sensor* sensor : changed(population)) {
@@ -242,7 +162,8 @@ std::string to_json(const Population& population) {
                {"sensors", population.sensors.size()},
                {"axes", population.members.size()},
                {"core_axes", population.core},
-               {"false_discovery_rate", population.options.false_discovery_rate}};
+               {"false_discovery_rate", population.options.false_discovery_rate},
+               {"warnings", population.warnings}};
   for (int i = 0; i < kCoordinates; ++i) {
     const Shown& one = shown()[static_cast<std::size_t>(i)];
     Json& figure = json["distributions"][one.key];
@@ -288,7 +209,13 @@ std::string to_json(const Population& population) {
                             {"others", in_unit(figure, figure.other_value)},
                             {"p_value", figure.p_value},
                             {"q_value", population.lots[figure.lot].q_value},
-                            {"differs", figure.differs}});
+                            {"differs", figure.differs},
+                            {"is_reference", population.lots[figure.lot].is_reference}});
+    if (!figure.effect) continue;
+    const LotEffect effect = effect_in_words(figure);
+    Json& lot = json["lots"].back();
+    lot[figure.what == kCoordinateNames.back() ? "difference" : "ratio"] = effect.value;
+    lot["effect_ci95"] = {effect.lo, effect.hi};
   }
   json["changed"] = Json::array();
   for (const Sensor* sensor : changed(population)) {
@@ -326,56 +253,6 @@ std::string to_csv(const Population& population) {
                         sensor.is_outlier ? 1 : 0);
   }
   return text;
-}
-
-report::Report make_report(const Population& population, const std::string& provenance) {
-  report::Report report{"Population of a fleet", lead_of(population)};
-  report::Section& distributions = report.section("Distributions");
-  distributions.table(distribution_table(population));
-  for (int i = 0; i < kCoordinates; ++i) distributions.chart(histogram(population, i));
-  const std::vector<double> slopes = temperature_slopes(population);
-  if (!slopes.empty()) {
-    distributions.paragraph(fmt::format(
-        "On {} axes the bias follows the temperature: median {:.3g} deg/h/K, half of them between "
-        "{:.3g} and {:.3g}.",
-        slopes.size(), statistics::quantile_of_sorted(slopes, 0.5),
-        statistics::quantile_of_sorted(slopes, 0.25),
-        statistics::quantile_of_sorted(slopes, 0.75)));
-  }
-  if (!population.effects.empty()) {
-    report::BarChart bars{.title = "Axes with an effect", .y = {"Axes"}};
-    report::BarGroup axes{.name = "Axes"};
-    for (const EffectCount& effect : population.effects) {
-      bars.categories.push_back(effect.effect);
-      axes.values.push_back(static_cast<double>(effect.axes));
-    }
-    bars.groups.push_back(std::move(axes));
-    report.section("Causes").chart(bars).table(effect_table(population));
-  }
-  report::Section& leaving = report.section("Sensors that leave the population");
-  if (outliers(population).empty()) {
-    leaving.paragraph("None.");
-  } else {
-    leaving.table(outlier_table(population));
-  }
-  if (!population.lot_figures.empty()) report.section("Lots").table(lot_table(population));
-  const auto changes = changed(population);
-  if (!changes.empty()) {
-    report::Table table{.columns = {{"Sensor"}, {"Recordings"}, {"q", "", 6}}};
-    for (const Sensor* sensor : changes) {
-      table.rows.push_back({sensor->name, sensor->recordings, sensor->change_q_value});
-    }
-    report.section("Sensors that changed between recordings").table(table);
-  }
-  if (!population.bad.empty()) {
-    report::Table table{.columns = {{"Recording"}, {"Why it was not used"}}};
-    for (const StoredRecording& one : population.bad) {
-      table.rows.push_back({one.entry.name, one.problem});
-    }
-    report.section("Recordings that could not be used").table(table);
-  }
-  report.provenance(provenance);
-  return report;
 }
 
 }  // namespace zerorate::fleet

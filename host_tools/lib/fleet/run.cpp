@@ -8,6 +8,7 @@
 #include <fstream>
 #include <mutex>
 #include <optional>
+#include <regex>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -154,6 +155,16 @@ std::vector<Entry> search(const fs::path& folder) {
   return entries;
 }
 
+std::regex pattern_of(const std::string& rule) {
+  try {
+    return std::regex{rule};
+  } catch (const std::regex_error& error) {
+    throw std::invalid_argument(fmt::format(
+        "--lots {}: expected \"folder\" or a regular expression, such as '^(L[0-9]+)_': {}", rule,
+        error.what()));
+  }
+}
+
 /// One run: threads analyse, and one of them at a time writes.
 class Run {
  public:
@@ -169,6 +180,9 @@ class Run {
     parallel::for_each(todo_.size(), options_.jobs, [&](std::size_t i) { hash(todo_[i]); }, {});
     leave_out_repeated();
     leave_out_done();
+    // Files that are gone for a moment are looked for again after all others.
+    std::stable_partition(todo_.begin(), todo_.end(),
+                          [](const StoredRecording& one) { return one.problem.empty(); });
     report_progress();
     parallel::for_each(todo_.size(), options_.jobs, [&](std::size_t i) { take(todo_[i]); }, {});
     summary_.seconds = seconds();
@@ -214,6 +228,10 @@ class Run {
   }
 
   void take(StoredRecording& one) {
+    if (!one.problem.empty()) {
+      one.problem.clear();
+      hash(one);
+    }
     if (one.problem.empty()) {
       try {
         analyse_again_if_away(one);
@@ -235,15 +253,17 @@ class Run {
   /// Analyses a recording again that seems to be wrong, with its content still there: a share that
   /// drops out for a moment would make it bad for ever, because results are kept by content. Throws
   /// std::system_error where the content is another.
-  static void analyse_again_if_away(StoredRecording& one) {
+  void analyse_again_if_away(StoredRecording& one) const {
+    recording::Input input = options_.format;
+    input.path = one.entry.path;
     try {
-      one.result = analyse(one.entry.path);
+      one.result = analyse(input, options_.axis);
     } catch (const recording::DataError&) {
       if (content_hash(one.entry.path) != one.hash) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again),
                                 one.entry.path.string() + ": changed while it was read");
       }
-      one.result = analyse(one.entry.path);
+      one.result = analyse(input, options_.axis);
     }
   }
 
@@ -278,6 +298,27 @@ std::vector<Entry> list_recordings(const fs::path& folder_or_list) {
   }
   std::ranges::sort(entries, {}, &Entry::name);
   return entries;
+}
+
+void set_lots(std::vector<Entry>& recordings, const std::string& rule) {
+  const bool is_by_folder = rule == "folder";
+  const std::regex pattern = is_by_folder ? std::regex{} : pattern_of(rule);
+  for (Entry& one : recordings) {
+    if (!one.lot.empty()) continue;
+    std::smatch match;
+    if (is_by_folder) {
+      one.lot = fs::path(one.name).parent_path().filename().string();
+    } else if (std::regex_search(one.name, match, pattern)) {
+      one.lot = match[match.size() > 1 ? 1 : 0];
+    }
+    if (one.lot.empty()) {
+      throw std::invalid_argument(fmt::format(
+          "--lots {}: {} {}", rule, one.name,
+          is_by_folder ? "lies in no folder of its own; sort the recordings into one folder a lot"
+                       : "does not match, or its lot is empty; the expression has to match every "
+                         "name"));
+    }
+  }
 }
 
 RunSummary run(const std::vector<Entry>& recordings, Database& database,

@@ -30,6 +30,18 @@ double seconds(core::Duration duration) {
   return static_cast<double>(duration.ns()) * 1e-9;
 }
 
+double time_at_rest(const RestSamples& samples) {
+  const core::Duration hole =
+      std::max(core::Duration::nanoseconds(recording::kShortestHole), samples.mean_period * 2);
+  core::Duration rest = samples.mean_period;  // the first sample has one, too
+  for (std::size_t k = 1; k < samples.time.size(); ++k) {
+    const core::Duration interval = samples.time[k] - samples.time[k - 1];
+    const bool is_apart = interval > hole || std::ranges::binary_search(samples.after_drives, k);
+    rest = rest + (is_apart ? samples.mean_period : interval);
+  }
+  return seconds(rest);
+}
+
 /// White noise from neighbouring ticks; flicker noise as strong as it at the middle of the band.
 StartValues rough_start(std::span<const TickMean> ticks, std::size_t axis, double tick_s) {
   double squares = 0.0;
@@ -325,7 +337,7 @@ Characterization characterize(const RestSamples& all, const CharacterizeOptions&
                           .sample_period = samples.mean_period,
                           .tick = tick};
   result.ticks = ticks.size();
-  result.rest_s = static_cast<double>(ticks.size()) * seconds(result.tick);
+  result.rest_s = time_at_rest(samples);
   for (const std::size_t axis : options.axes) {
     result.axes.push_back(characterize_axis(samples, ticks, result.tick, axis, options));
     if (options.on_progress) {
@@ -334,6 +346,21 @@ Characterization characterize(const RestSamples& all, const CharacterizeOptions&
     }
   }
   return result;
+}
+
+void require_noise_of_rest(const Characterization& result) {
+  constexpr double kWidest = 100.0;
+  for (const AxisCharacterization& axis : result.axes) {
+    const IntervalEstimate& white = axis.fit.angle_random_walk_rad_per_sqrt_s;
+    if (white.hi <= kWidest * white.lo) continue;
+    throw recording::DataError(fmt::format(
+        "axis {}: the {:.0f} s that the gyro itself shows as rest do not determine the white "
+        "noise, "
+        "which may be {:.2g} to {:.2g} deg/s/sqrt(Hz): the sensor moved in them. Name its rest by "
+        "a "
+        "still, odometer_pulses or speed column, or cut the recording to its rest",
+        axis.axis, result.rest_s, white.lo * units::kDegPerRad, white.hi * units::kDegPerRad));
+  }
 }
 
 const AxisCharacterization& middle_axis(const Characterization& result) {

@@ -65,7 +65,7 @@ struct Characterization {
   core::Duration sample_period;       ///< the mean, see RestSamples
   core::Duration tick;
   std::size_t ticks = 0;  ///< with samples at rest
-  double rest_s = 0.0;    ///< length of all ticks together
+  double rest_s = 0.0;    ///< time between samples that no drive, pause or hole separates
   std::vector<AxisCharacterization> axes;
   std::vector<std::string> further_recordings;  ///< recordings that the axes were compared with
   std::vector<Sameness> sameness;  ///< sameness of each axis; none without further recordings
@@ -137,6 +137,10 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
 /// short or constant.
 [[nodiscard]] Characterization characterize(const RestSamples& all,
                                             const CharacterizeOptions& options);
+
+/// Throws recording::DataError where the white noise of an axis is known within a factor of 100
+/// only (95 % interval): what the gyro took for its own rest was none.
+void require_noise_of_rest(const Characterization& result);
 
 /// The axis whose flicker noise at 0.01 Hz is the middle one (the higher of two): where one model
 /// must serve all axes, it errs least in either direction.

@@ -14,8 +14,6 @@
 namespace zerorate::truth {
 namespace {
 
-using units::kRadPerDeg;
-
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kSecond = 1'000'000'000;
 
@@ -220,6 +218,12 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
   truth.vertical = *vertical;
   find_drives(track, truth);
   return truth;
+}
+
+std::optional<Truth> read_truth(recording::Reader& reader, const TruthOptions& options) {
+  const recording::Columns& columns = reader.columns();
+  if (!columns.ref_heading && !columns.ref_rate && !columns.ref_speed) return std::nullopt;
+  return find_truth(read_track(reader), options);
 }
 
 }  // namespace zerorate::truth

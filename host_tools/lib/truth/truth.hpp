@@ -107,4 +107,9 @@ void find_stops(const Series& speed_m_s, Truth& truth);
 /// Throws recording::DataError if the vertical axis is ambiguous.
 [[nodiscard]] Truth find_truth(const Track& track, const TruthOptions& options);
 
+/// Reads a recording to its end; nullopt where it has no column of a reference. Throws
+/// recording::Error, recording::DataError.
+[[nodiscard]] std::optional<Truth> read_truth(recording::Reader& reader,
+                                              const TruthOptions& options);
+
 }  // namespace zerorate::truth

@@ -83,14 +83,19 @@ def diagnose(recording: PathOrRecording, *, axis: str = "all", model: Optional[M
 
 
 def evaluate(recording: PathOrRecording, *, model: ModelOrName, schedule: Optional[str] = None, axis: str = "all",
-             learns_noise: bool = True, still_from: str = "odometer", filter_rate_hz: Optional[float] = None) -> Evaluation:
+             learns_noise: bool = True, still_from: str = "odometer", filter_rate_hz: Optional[float] = None,
+             vertical_axis: str = "", reference_error_deg: Optional[float] = None,
+             reference_from_s: float = 0.0) -> Evaluation:
     """Heading drifts and coverage of a recording through the node, as `zerorate replay`.
 
-    `schedule="still=60,drive=300,seed=1"` makes up stops and drives for a recording at rest.
+    `schedule="still=60,drive=300,seed=1"` makes up stops and drives for a recording at rest. Of a real drive the true rate
+    is not known: its drifts are None, its stops are scored. Columns of a reference (`ref_heading_rad`, `ref_speed_m_s`)
+    score the drives between true stops: `true_drives`, with the last three options of the command line.
     """
     source, _ = _source_of(recording)
     options = _options(model, learns_noise, still_from, filter_rate_hz)
-    return Evaluation.of_json(json.loads(_native.evaluate(source, axis, schedule, options)))
+    return Evaluation.of_json(json.loads(_native.evaluate(source, axis, schedule, options, vertical_axis, reference_error_deg,
+                                                          reference_from_s)))
 
 
 class Node:
@@ -158,5 +163,5 @@ def _require_whole_numbers(time_ns: np.ndarray, odometer_pulses: Optional[np.nda
 def _source_of(recording: PathOrRecording) -> "tuple[_native.Source, str]":
     if isinstance(recording, Recording):
         _require_whole_numbers(recording.time_ns, recording.odometer_pulses)
-        return _native.Source.of_arrays(**recording.arrays()), _words(recording.name)
+        return _native.Source.of_arrays(**recording.arrays(), **recording.references()), _words(recording.name)
     return _native.Source(os.fsencode(recording)), _words(os.path.basename(os.fspath(recording)))

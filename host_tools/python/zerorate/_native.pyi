@@ -20,6 +20,9 @@ class Source:
         still: Optional[NDArray[np.bool_]] = None,
         odometer_pulses: Optional[NDArray[np.int64]] = None,
         acceleration_m_s2: Optional[NDArray[np.float32]] = None,
+        ref_heading_rad: Optional[NDArray[np.float32]] = None,
+        ref_rate_rad_s: Optional[NDArray[np.float32]] = None,
+        ref_speed_m_s: Optional[NDArray[np.float32]] = None,
     ) -> "Source": ...
     def read(self) -> dict[str, NDArray]: ...
 
@@ -49,7 +52,15 @@ def characterize(source: Source, name: str, axis: str, order: Optional[float], s
 def diagnose(
     source: Source, name: str, axis: str, model: Optional[str], holdout: float, still_from: str
 ) -> tuple[_Outcome, dict[str, list[list[float]]]]: ...
-def evaluate(source: Source, axis: str, schedule: Optional[str], options: NodeOptions) -> str: ...
+def evaluate(
+    source: Source,
+    axis: str,
+    schedule: Optional[str],
+    options: NodeOptions,
+    vertical_axis: str,
+    reference_error_deg: Optional[float],
+    reference_from_s: float,
+) -> str: ...
 def allan_deviation(
     rate: NDArray[np.float64], sample_period_s: float, points_per_decade: float
 ) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]: ...

@@ -74,12 +74,20 @@ class Recording:
     odometer_pulses: Optional[np.ndarray] = None
     name: str = "recording"
     acceleration_m_s2: Optional[np.ndarray] = None
+    ref_heading_rad: Optional[np.ndarray] = None
+    ref_rate_rad_s: Optional[np.ndarray] = None
+    ref_speed_m_s: Optional[np.ndarray] = None
 
     def arrays(self) -> "dict[str, Optional[np.ndarray]]":
         """The arrays by name, as Node.replay() takes them."""
         return {"time_ns": self.time_ns, "rate_rad_s": self.rate_rad_s, "temperature_degc": self.temperature_degc,
                 "still": self.still, "odometer_pulses": self.odometer_pulses,
                 "acceleration_m_s2": self.acceleration_m_s2}
+
+    def references(self) -> "dict[str, Optional[np.ndarray]]":
+        """What a reference system measured, NaN where it did not."""
+        return {"ref_heading_rad": self.ref_heading_rad, "ref_rate_rad_s": self.ref_rate_rad_s,
+                "ref_speed_m_s": self.ref_speed_m_s}
 
     @property
     def time_s(self) -> np.ndarray:
@@ -258,12 +266,17 @@ class Diagnosis:
 
 @dataclass(frozen=True)
 class PredictorScore:
-    """Heading drift of a predictor over the drives of an axis."""
+    """Heading drift of a predictor over the drives of an axis, None where the true rate is not known; and what it predicted
+    for the first seconds of each next stop, which needs no truth."""
 
     drives: int
     heading_drift_rms_deg: Optional[float]
     ratio_to_calibration_mean: Optional[float]
     coverage95: Optional[float]
+    stops: int
+    stop_error_rms_dph: Optional[float]
+    stop_error_rms_sigmas: Optional[float]
+    stop_coverage95: Optional[float]
 
 
 @dataclass(frozen=True)
@@ -272,30 +285,32 @@ class Evaluation:
 
     scores: "dict[str, dict[str, PredictorScore]]"
     json: "dict[str, Any]" = field(repr=False)
+    true_drives: "Optional[dict[str, Any]]" = field(default=None, repr=False)  # scores against a reference
 
     @classmethod
     def of_json(cls, json: "dict[str, Any]") -> "Evaluation":
         names = PredictorScore.__dataclass_fields__
         return cls({axis: {predictor: PredictorScore(**{name: score[name] for name in names})
                            for predictor, score in of_axis["predictors"].items()}
-                    for axis, of_axis in json["axes"].items()}, json)
+                    for axis, of_axis in json["axes"].items()}, json, json.get("true_drives"))
 
     def _rows(self) -> "list[list[Any]]":
-        return [[axis, predictor, score.drives, score.heading_drift_rms_deg, score.ratio_to_calibration_mean, score.coverage95]
+        return [[axis, predictor, score.drives, score.heading_drift_rms_deg, score.ratio_to_calibration_mean, score.coverage95,
+                 score.stop_error_rms_dph, score.stop_coverage95]
                 for axis, predictors in self.scores.items() for predictor, score in predictors.items()]
 
     def _repr_html_(self) -> str:
         rows = [["" if cell is None else f"{cell:.3g}" if isinstance(cell, float) else cell for cell in row]
                 for row in self._rows()]
         return _table("Heading drift", ["axis", "predictor", "drives", "rms [deg]", "ratio to calibration mean",
-                                        "inside the 95 % interval"], rows)
+                                        "inside the 95 % interval", "next stop, rms [deg/h]", "inside"], rows)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the drift of each axis and predictor as bars."""
-        ax = _axes(ax, ylabel="heading drift rms [deg]")
-        rows = [row for row in self._rows() if row[3] is not None]
-        ax.barh([f"{row[0]} {row[1]}" for row in rows], [row[3] for row in rows])
-        ax.set(xlabel="heading drift rms [deg]", ylabel="")
+        """Draws the drift of each axis and predictor as bars; without a known rate what the next stops differed by."""
+        figure, label = (3, "heading drift rms [deg]") if self.json["truth_known"] else (6, "error at the next stop rms [deg/h]")
+        ax = _axes(ax, xlabel=label)
+        rows = [row for row in self._rows() if row[figure] is not None]
+        ax.barh([f"{row[0]} {row[1]}" for row in rows], [row[figure] for row in rows])
         return ax
 
 

@@ -44,6 +44,30 @@ TEST(LearntModelInUnits, HasIntervalsByHand) {
   EXPECT_FALSE(model.order.contains(0.8));
 }
 
+// A posterior that has gone to one noise of the grid: its cell is left.
+TEST(LearntModelOnAMesh, IsNoMoreCertainThanTheMesh) {
+  const model::SensorModel model = testing::sensor_model();
+  const LearntMesh mesh = mesh_of(model);
+  const model::Prior prior;
+  EXPECT_NEAR(mesh.order_step, 1.5 * prior.order_sigma, 1e-9);
+  EXPECT_NEAR(mesh.log_amplitude_step, 0.75 * std::log(prior.amplitude_factor), 1e-9);
+  const auto order = static_cast<float>(mesh.highest_order);
+  const auto white = static_cast<float>(model.white.angle_random_walk_rad_per_sqrt_s);
+  const float bias = white * static_cast<float>(std::sqrt(mesh.lowest_ratio * mesh.highest_ratio));
+  const app::LearntNoise noise{.order = {order, 0.0F},
+                               .bias_instability_rad_s = {bias, 0.0F},
+                               .angle_random_walk_rad_per_sqrt_s = {white, 0.0F},
+                               .stops = 2.9F};
+  const LearntModel learnt = learnt_model(noise, mesh);
+  EXPECT_NEAR(learnt.order.hi - learnt.order.lo, 2.0 * 1.959964 * mesh.order_step / std::sqrt(12.0),
+              1e-6);
+  EXPECT_NEAR(std::log(learnt.bias_instability_dph.hi / learnt.bias_instability_dph.lo),
+              2.0 * 1.959964 * mesh.log_amplitude_step / std::sqrt(12.0), 1e-5);
+  EXPECT_TRUE(learnt.is_order_at_edge);
+  EXPECT_FALSE(learnt.is_bias_instability_at_edge);
+  EXPECT_EQ(edge_in_words(learnt, mesh).find("d is at the edge"), 0U);
+}
+
 class ReplayOfASensorAtRest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -93,7 +117,7 @@ TEST_F(ReplayOfASensorAtRest, TellsAtTheEndOfEachStopWhatWasLearnt) {
     }
     EXPECT_EQ(ended, 1U) << traced.time_s;
   }
-  const LearntModel last = learnt_model(newest_[1]);
+  const LearntModel last = learnt_model(newest_[1], result.mesh);
   EXPECT_EQ(trace_.models().back().model.order.value, last.order.value);
   const nlohmann::json learnt = learnt_of(result, "y");
   EXPECT_EQ(learnt.at("order").get<double>(), last.order.value);

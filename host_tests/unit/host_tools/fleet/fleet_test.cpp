@@ -5,22 +5,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "firmware/model/hypotheses.hpp"
 #include "firmware/toml/error.hpp"
 #include "host_tests/support/folders.hpp"
+#include "host_tests/unit/host_tools/fleet/made_fleet.hpp"
 #include "host_tools/lib/fleet/database.hpp"
 #include "host_tools/lib/fleet/population.hpp"
 #include "host_tools/lib/fleet/simulated_fleet.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
-#include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::fleet {
@@ -36,94 +36,6 @@ void write(const fs::path& path, const std::string& text) {
 std::string bytes_of(const fs::path& path) {
   std::ifstream file{path, std::ios::binary};
   return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// Population that the made fleets are drawn from: ln N, ln of the amplitude at the pivot, d.
-constexpr double kLogWhite = -9.0;
-constexpr double kLogWhiteSpread = 0.15;
-constexpr double kLogAmplitude = 0.4;
-constexpr double kLogAmplitudeSpread = 0.3;
-constexpr double kOrder = 0.55;
-constexpr double kOrderSpread = 0.06;
-
-/// Errors of the measured ln amplitude and d.
-constexpr double kAmplitudeError = 0.3;
-constexpr double kOrderError = 0.08;
-
-/// Coordinates of an axis: ln N, ln of the amplitude at the pivot, d.
-using Coordinates = std::array<double, 3>;
-
-/// Axis whose likelihood is normal about the measured coordinates.
-AxisResult made_axis(const std::string& name, const Coordinates& measured,
-                     std::size_t innovations) {
-  const auto& [white, amplitude, order] = measured;
-  AxisResult axis{
-      .axis = name,
-      .angle_random_walk_rad_per_sqrt_s = std::exp(white),
-      .bias_instability_rad_s = std::exp(white + amplitude + order * std::log(Grid::kPivot_rad_s)),
-      .verdict = "consistent",
-      .innovations = innovations};
-  for (std::size_t i = 0; i < Grid::kOrders; ++i) {
-    for (std::size_t j = 0; j < Grid::kAmplitudes; ++j) {
-      const double of_amplitude = (Grid::log_amplitude(j) - amplitude) / kAmplitudeError;
-      const double of_order = (Grid::order(i) - order) / kOrderError;
-      axis.log_likelihood.push_back(
-          static_cast<float>(-0.5 * (of_amplitude * of_amplitude + of_order * of_order)));
-      axis.white.push_back(static_cast<float>(std::exp(white)));
-    }
-  }
-  return axis;
-}
-
-struct MadeFleet {
-  std::size_t sensors = 400;
-  std::size_t recordings = 1;
-  std::size_t lots = 10;
-  double bad_lot_shift = 0.0;  ///< shift of ln N in lot 4
-  bool one_changes = false;    ///< the second recording of sensor 7
-  std::size_t innovations = 2000;
-};
-
-/// Measured coordinates of an axis of a recording.
-Coordinates measured_axis(const MadeFleet& fleet, std::size_t sensor, std::size_t recording,
-                          std::int64_t axis) {
-  const random::RandomStream stream{2026};
-  const random::RandomStream truth = stream.substream(sensor);
-  const random::RandomStream error = stream.substream(1'000'000 + 10 * sensor + recording);
-  const double shift = sensor * fleet.lots / fleet.sensors == 4 ? fleet.bad_lot_shift : 0.0;
-  const double change = fleet.one_changes && sensor == 7 && recording == 1 ? 1.5 : 0.0;
-  const double white_error = std::sqrt(0.5 / static_cast<double>(fleet.innovations));
-  const std::int64_t k = 3 * axis;
-  return {kLogWhite + shift + kLogWhiteSpread * truth.normal(k) + white_error * error.normal(k),
-          kLogAmplitude + change + kLogAmplitudeSpread * truth.normal(k + 1) +
-              kAmplitudeError * error.normal(k + 1),
-          kOrder + kOrderSpread * truth.normal(k + 2) + kOrderError * error.normal(k + 2)};
-}
-
-/// @return a database of the fleet, in which sensor 3 has a bias jump
-Database made_fleet(const fs::path& path, const MadeFleet& fleet) {
-  Database database{path, Database::Access::write};
-  for (std::size_t s = 0; s < fleet.sensors; ++s) {
-    const std::size_t lot = s * fleet.lots / fleet.sensors;
-    for (std::size_t r = 0; r < fleet.recordings; ++r) {
-      StoredRecording one{.hash = "h" + std::to_string(1000 * s + r)};
-      one.entry = {.name = std::to_string(s) + "-" + std::to_string(r),
-                   .sensor = std::to_string(s),
-                   .lot = "L" + std::to_string(lot)};
-      one.result.rest_s = 1000.0;
-      for (std::int64_t a = 0; a < 3; ++a) {
-        one.result.axes.push_back(
-            made_axis(std::string(1, "xyz"[a]), measured_axis(fleet, s, r, a), fleet.innovations));
-      }
-      if (s == 3) {
-        one.result.axes[1].verdict = "explained";
-        one.result.axes[1].causes.push_back(
-            {.effect = "bias_jump", .gain_nats = 40.0, .p_value = 1e-12});
-      }
-      database.store(one);
-    }
-  }
-  return database;
 }
 
 class Fleet : public ::testing::Test {
@@ -196,9 +108,9 @@ TEST_F(FleetStatistics, SensorWithARareEffectIsNamed) {
 }
 
 TEST_F(FleetStatistics, LotOfFourThatDiffersIsNamed) {
-  const Population population =
-      fit_population(made_fleet(path("a.sqlite"), {.lots = 100, .bad_lot_shift = 0.4}),
-                     {.false_discovery_rate = 1e-3});  // one seed in a thousand names another
+  const Population population = fit_population(
+      made_fleet(path("a.sqlite"), {.lots = 100, .bad_lots = {4}, .bad_lot_shift = 0.4}),
+      {.false_discovery_rate = 1e-3});  // one seed in a thousand names another
   for (const Lot& lot : population.lots) EXPECT_EQ(lot.differs, lot.name == "L4") << lot.name;
   EXPECT_EQ(population.lot_figures.front().what, "angle_random_walk");
   // The third of four means of three axes, 0.3 +- 0.6 of their standard deviations too high.
@@ -247,6 +159,34 @@ TEST_F(FleetStatistics, LimitsOfAShortTestLeaveOutWhatItCannotTell) {
   EXPECT_NEAR(read.order->lo, all.order->lo, 1e-5);
 }
 
+TEST_F(FleetStatistics, LimitsForALengthDecideNearlyEverySensor) {
+  const Population& population = usual_population();
+  const Limits limits = limits_of(population, 1000.0);
+  ASSERT_TRUE(limits.angle_random_walk_rad_per_sqrt_s);
+  ASSERT_TRUE(limits.bias_instability_rad_s);
+  EXPECT_EQ(limits.bias_instability_rad_s->lo, 0.0);  // a quiet sensor is not bad
+  std::set<std::size_t> undecided;
+  for (const Member& member : population.members) {
+    const auto is_inside = [&](std::size_t coordinate, const Range& range) {
+      return range.lo <= std::exp(member.profiles[coordinate].lo) &&
+             std::exp(member.profiles[coordinate].hi) <= range.hi;
+    };
+    if (!is_inside(0, *limits.angle_random_walk_rad_per_sqrt_s) ||
+        !is_inside(1, *limits.bias_instability_rad_s)) {
+      undecided.insert(member.sensor);
+    }
+  }
+  EXPECT_LE(undecided.size(), 20U);  // one in twenty of 400
+}
+
+TEST(Limits, EffectsThatFailASensorAreKnown) {
+  const Limits limits{.fail_on = {"bias_jump", "saturation"}};
+  EXPECT_EQ(parse_limits(format_limits(limits), "limits.toml").fail_on, limits.fail_on);
+  EXPECT_THAT(
+      [] { (void)parse_limits("schema = \"zerorate.limits/1\"\nfail_on = [\"jump\"]\n", "l"); },
+      ::testing::ThrowsMessage<toml_file::Error>(HasSubstr("bias_jump")));
+}
+
 TEST(Limits, MistakesAreNamedWithTheirLine) {
   const auto message = [](const char* text) -> std::string {
     try {
@@ -276,6 +216,24 @@ TEST_F(Fleet, ListNamesRecordingsSensorsAndLots) {
   EXPECT_THAT([&] { (void)list_recordings(path("twice.txt")); },
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("twice.txt:2")));
   EXPECT_THROW((void)list_recordings(folder_.path() / "nothing"), std::exception);
+}
+
+TEST(Lots, AreFoldersOrMatchesWhereTheListHasNone) {
+  const std::vector<Entry> made = {{.name = "K7/S1_a.csv"}, {.name = "in/K8/S2_b.csv", .lot = "X"}};
+  std::vector<Entry> entries = made;
+  set_lots(entries, "folder");
+  EXPECT_EQ(entries[0].lot, "K7");
+  EXPECT_EQ(entries[1].lot, "X");
+  entries = made;
+  set_lots(entries, "(S[0-9])_");
+  EXPECT_EQ(entries[0].lot, "S1");
+  entries = made;
+  EXPECT_THAT([&] { set_lots(entries, "(L[0-9])_"); },
+              ::testing::ThrowsMessage<std::invalid_argument>(HasSubstr("K7/S1_a.csv does not")));
+  EXPECT_THAT([&] { set_lots(entries, "("); },
+              ::testing::ThrowsMessage<std::invalid_argument>(HasSubstr("regular expression")));
+  entries = {{.name = "a.csv"}};
+  EXPECT_THROW(set_lots(entries, "folder"), std::invalid_argument);
 }
 
 TEST_F(Fleet, MergedShardsHaveTheBytesOfOneProcessInAnyOrderAndTwice) {
@@ -351,6 +309,22 @@ TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamples) {
   EXPECT_NEAR(sum / 24.0, 0.0, 3.0 * 0.03 / std::sqrt(24.0));
 }
 
+TEST_F(Fleet, RecordingsReadOtherwiseNeedAnotherDatabase) {
+  const StoredRecording recording{.hash = "h", .entry = {.name = "a.csv", .sensor = "a"}};
+  for (const std::string name : {"a", "b"}) {
+    Database database{path(name), Database::Access::write};
+    database.require_format(name == "a" ? "--units rate=radps" : "");
+    database.store(recording);
+    database.require_format(name == "a" ? "--units rate=radps" : "");
+    EXPECT_THAT([&] { database.require_format("--axis z"); },
+                ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("--axis z")));
+  }
+  EXPECT_THROW(merge({path("a"), path("b")}, path("c")), std::runtime_error);
+  merge({path("a")}, path("c"));
+  EXPECT_NO_THROW(
+      (Database{path("c"), Database::Access::write}.require_format("--units rate=radps")));
+}
+
 TEST_F(Fleet, WhatIsNoDatabaseIsRefusedAndStaysAsItIs) {
   write(path("notes.sqlite"), "not a database");
   EXPECT_THROW((Database{path("notes.sqlite"), Database::Access::write}), std::runtime_error);
@@ -372,6 +346,9 @@ TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
         .judgement;
   };
   EXPECT_EQ(judgement(0.4, 2.5), Judgement::pass);
+  // A diagnosis of a sensor without an effect changes nothing.
+  EXPECT_EQ(accept(recording, {.fail_on = {"bias_jump", "periodic_disturbance"}}).judgement,
+            Judgement::pass);
   EXPECT_EQ(judgement(3.0, 5.0), Judgement::fail);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.1}).judgement, Judgement::too_short);
   EXPECT_EQ(accept(recording, {.shortest_s = 60.0}).judgement, Judgement::pass);  // 59.99 s apart

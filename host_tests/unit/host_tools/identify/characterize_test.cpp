@@ -114,6 +114,31 @@ TEST(CharacterizationOfStops, TakesItsCurvesFromTheLongestOne) {
   EXPECT_NEAR(result.rest_s, 1000.0, 5.0);
 }
 
+// Rest in pieces of 0.3 s, of which each touches one or two ticks of half a second.
+TEST(CharacterizationOfStops, CountsNoMoreRestThanThereWas) {
+  simulate::Signal signal = simulate_rest({}, 30'000, 0.02, 4);
+  zerorate::testing::drop_drives(signal, 15);
+  RestSamples samples = rest_samples_of(signal);
+  for (std::size_t k = 1; k < samples.time.size(); ++k) {
+    if (samples.time[k] - samples.time[k - 1] > samples.sample_period * 2) {
+      samples.after_drives.push_back(k);
+    }
+  }
+  const Characterization result =
+      characterize(samples, {.recording = "pieces", .axes = {0}, .order = 0.5});
+  EXPECT_NEAR(result.rest_s, 200.1, 1e-6);  // 667 pieces
+}
+
+TEST(NoiseOfRest, IsRefusedWhereNothingIsKnown) {
+  Characterization result{.rest_s = 355.0};
+  result.axes.push_back({.axis = "z"});
+  auto& white = result.axes.front().fit.angle_random_walk_rad_per_sqrt_s;
+  white = {.value = 1e-5, .standard_error = 1e-6, .lo = 0.8e-5, .hi = 1.2e-5};
+  EXPECT_NO_THROW(require_noise_of_rest(result));
+  white.lo = 1e-29;
+  EXPECT_THROW(require_noise_of_rest(result), recording::DataError);
+}
+
 /// Whether an estimate lies within four of its standard errors of the truth, on the scale of its
 /// logarithm: one in 16,000 recordings does not.
 bool is_near(const IntervalEstimate& estimate, double truth) {

@@ -93,6 +93,38 @@ TEST(DriveContestThatCannotBe, SaysWhy) {
   EXPECT_THAT(message_of(recordings, kOptions), ::testing::HasSubstr("at least two recordings"));
 }
 
+TEST(DriveContestOfASensorThatMoved, IsRefused) {
+  const ScratchFolder folder;
+  auto recordings = two_recordings(folder);
+  auto rows = rows_at_rest(8000, 1.0, 3);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const bool drives = k / 400 % 2 == 1;
+    rows[k].still = !drives;
+    if (drives) rows[k].rate_rad_s[2] += 0.3F * std::sin(0.05F * static_cast<float>(k));
+  }
+  recordings[1] = write_rows(folder.path() / "moved.csv", kRates, rows);
+  EXPECT_THAT(message_of(recordings, kOptions), ::testing::HasSubstr("moved.csv: the sensor was"));
+  // An option that this command does not have.
+  EXPECT_THAT(message_of(recordings, kOptions), ::testing::Not(::testing::HasSubstr("--still-")));
+  recording::Columns columns = kRates;
+  columns.still = true;
+  recordings[1] = write_rows(folder.path() / "marked.csv", columns, rows);
+  EXPECT_THAT(message_of(recordings, kOptions), ::testing::HasSubstr("by its odometer"));
+}
+
+TEST(DriveContestOfOneAxis, ScoresThatAxisAlone) {
+  const ScratchFolder folder;
+  const auto recordings = two_recordings(folder);
+  DriveContestOptions options = kOptions;
+  options.seeds = 1;
+  const DriveContest all = run_drive_contest(recordings, options, {});
+  options.axis = "z";
+  const DriveContest one = run_drive_contest(recordings, options, {});
+  ASSERT_EQ(one.fits.size(), 2U);
+  EXPECT_EQ(one.fits[0].axis, 2U);
+  EXPECT_EQ(3 * one.drives, all.drives);
+}
+
 // Samples of 1, 2, 3 at rest, then a drive at 10 for two seconds, by hand: the plain mean of three
 // is 2; a memory of two samples weighs 1, 1/2, 1/2 and gives 2.25.
 TEST(ExponentialMeansWithShortAndLongMemory, AreThoseByHand) {

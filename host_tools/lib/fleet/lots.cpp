@@ -1,6 +1,4 @@
-// Lots of a population, and the model of the next sensor.
-
-#include <fmt/format.h>
+// Lots beside those that agree: which of them differ.
 
 #include <algorithm>
 #include <boost/math/distributions/hypergeometric.hpp>
@@ -8,15 +6,16 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <set>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "host_tools/lib/fleet/population.hpp"
+#include "host_tools/lib/fleet/lots.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::fleet {
 namespace {
-
-constexpr std::size_t kFewestSensorsOfLot = 4;
 
 /// Mean of a coordinate over the axes and recordings of each sensor.
 std::vector<double> means_of_sensors(const Population& population, int coordinate) {
@@ -41,8 +40,8 @@ std::vector<double> ranks_of(const std::vector<double>& values) {
   return ranks;
 }
 
-/// Two-sided p-values of a lot's ranks among all, exact for small lots: the normal p-value of four
-/// sensors among eighty is never below 8e-4, too much to name one of twenty lots.
+/// Two-sided p-values of a lot's ranks among the reference, exact for small lots: the normal
+/// p-value of four sensors among eighty is never below 8e-4, too much to name one of twenty lots.
 class RankSums {
  public:
   double p_value(const std::vector<double>& ranks, const std::vector<bool>& is_of_lot) {
@@ -60,45 +59,58 @@ class RankSums {
       const double variance = middle * static_cast<double>(ranks.size() + 1) / 6.0;
       return 2.0 * statistics::normal_tail(off / std::sqrt(variance));
     }
-    std::vector<double>& tail = tails_[own];
+    std::vector<double>& tail = tails_[{own, others}];
     if (tail.empty()) tail = statistics::rank_sum_tail(own, others);
     return std::min(1.0, 2.0 * tail[static_cast<std::size_t>(middle - off)]);
   }
 
  private:
-  static constexpr std::size_t kMostExact = 50;       ///< sensors of a lot
-  std::map<std::size_t, std::vector<double>> tails_;  ///< key: size of the lot
+  static constexpr std::size_t kMostExact = 50;                               ///< sensors of a lot
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> tails_;  ///< key: both sizes
 };
 
+/// Whether a sensor is of the lot, or of the reference beside it; nothing where it is of neither.
+std::optional<bool> side_of(const Population& population, const Sensor& sensor, std::size_t lot) {
+  if (sensor.lot == lot) return true;
+  if (population.lots[sensor.lot].is_reference) return false;
+  return std::nullopt;
+}
+
 LotFigure compare_noise(const Population& population, std::size_t lot, int coordinate,
-                        const std::vector<double>& values, const std::vector<double>& ranks,
-                        RankSums& rank_sums) {
+                        const std::vector<double>& means, RankSums& rank_sums) {
+  std::vector<double> values;
   std::vector<double> own;
   std::vector<double> others;
   std::vector<bool> is_of_lot;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    is_of_lot.push_back(population.sensors[i].lot == lot);
-    const double value = coordinate == 2 ? values[i] : std::exp(values[i]);
-    (is_of_lot.back() ? own : others).push_back(value);
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    const auto is_own = side_of(population, population.sensors[i], lot);
+    if (!is_own) continue;
+    is_of_lot.push_back(*is_own);
+    values.push_back(means[i]);
+    (*is_own ? own : others).push_back(coordinate == 2 ? means[i] : std::exp(means[i]));
   }
   return {.lot = lot,
           .what = kCoordinateNames[static_cast<std::size_t>(coordinate)],
           .lot_value = statistics::median_of(std::move(own)),
           .other_value = statistics::median_of(std::move(others)),
-          .p_value = rank_sums.p_value(ranks, is_of_lot)};
+          .p_value = rank_sums.p_value(ranks_of(values), is_of_lot)};
 }
 
 /// Probability of at least so many outliers in the lot, were they spread by chance.
 LotFigure compare_outliers(const Population& population, std::size_t lot) {
   unsigned own = 0;
   unsigned all = 0;
+  unsigned of_lot = 0;
+  unsigned sensors = 0;
   for (const Sensor& sensor : population.sensors) {
+    const auto is_own = side_of(population, sensor, lot);
+    if (!is_own) continue;
+    ++sensors;
+    if (*is_own) ++of_lot;
     if (!sensor.is_outlier) continue;
     ++all;
-    if (sensor.lot == lot) ++own;
+    if (*is_own) ++own;
   }
-  const auto sensors = static_cast<unsigned>(population.sensors.size());
-  const auto of_lot = static_cast<unsigned>(population.lots[lot].sensors);
   const unsigned least = all + of_lot > sensors ? all + of_lot - sensors : 0;
   double p_value = 1.0;
   if (own > least) {
@@ -133,33 +145,11 @@ void name_lots(Population& population, const std::vector<std::size_t>& compared)
     lot.differs = q[i] <= population.options.false_discovery_rate;
     if (lot.differs) largest_named = std::max(largest_named, log_p[i]);
   }
+  // Figures that would name their lot alone are shown of each lot that is named.
+  const double shown = std::max(largest_named, std::log(population.options.false_discovery_rate));
   for (LotFigure& figure : population.lot_figures) {
-    figure.differs = population.lots[figure.lot].differs && log_p_of(figure) <= largest_named;
+    figure.differs = population.lots[figure.lot].differs && log_p_of(figure) <= shown;
   }
-}
-
-/// Mean and variance over the cells.
-struct Spread {
-  double mean = 0.0;
-  double variance = 0.0;
-};
-Spread spread_over_cells(const std::vector<double>& weights, double (*value)(std::size_t cell)) {
-  Spread spread;
-  for (std::size_t k = 0; k < weights.size(); ++k) spread.mean += weights[k] * value(k);
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    const double deviation = value(k) - spread.mean;
-    spread.variance += weights[k] * deviation * deviation;
-  }
-  return spread;
-}
-
-/// Standard deviation that the next sensor is expected to have: few sensors leave most of what is
-/// thought of sensors in general, and the mean itself is uncertain.
-double expected_sigma(double variance, double general_sigma, double sensors) {
-  constexpr double kSensorsOfGeneral = 4.0;
-  const double pooled = (kSensorsOfGeneral * general_sigma * general_sigma + sensors * variance) /
-                        (kSensorsOfGeneral + sensors);
-  return std::sqrt(pooled + variance / sensors);
 }
 
 }  // namespace
@@ -181,23 +171,24 @@ std::vector<double> q_values(const std::vector<double>& log_p_values) {
 
 void compare_lots(Population& population) {
   population.lot_figures.clear();
+  std::size_t of_reference = 0;
+  for (const Lot& lot : population.lots) of_reference += lot.is_reference ? lot.sensors : 0;
   std::vector<std::size_t> compared;
   for (std::size_t i = 0; i < population.lots.size(); ++i) {
     Lot& lot = population.lots[i];
     lot.q_value = 1.0;
     lot.differs = false;
-    if (!lot.name.empty() && lot.sensors >= kFewestSensorsOfLot &&
-        population.sensors.size() >= lot.sensors + kFewestSensorsOfLot) {
+    const std::size_t others = of_reference - (lot.is_reference ? lot.sensors : 0);
+    if (!lot.name.empty() && lot.sensors >= kFewestSensorsOfLot && others >= kFewestSensorsOfLot) {
       compared.push_back(i);
     }
   }
   RankSums rank_sums;
   for (int coordinate = 0; coordinate < kCoordinates; ++coordinate) {
-    const std::vector<double> values = means_of_sensors(population, coordinate);
-    const std::vector<double> ranks = ranks_of(values);
+    const std::vector<double> means = means_of_sensors(population, coordinate);
     for (const std::size_t lot : compared) {
       population.lot_figures.push_back(
-          compare_noise(population, lot, coordinate, values, ranks, rank_sums));
+          compare_noise(population, lot, coordinate, means, rank_sums));
     }
   }
   for (const std::size_t lot : compared) {
@@ -205,36 +196,6 @@ void compare_lots(Population& population) {
   }
   name_lots(population, compared);
   std::ranges::stable_sort(population.lot_figures, {}, &LotFigure::p_value);
-}
-
-model::SensorModel type_model(const Population& population, const std::string& name) {
-  std::set<std::size_t> sensors;
-  for (const Member& member : population.members) {
-    if (member.is_in_core) sensors.insert(member.sensor);
-  }
-  const auto count = static_cast<double>(sensors.size());
-  const Spread order = spread_over_cells(
-      population.weights, [](std::size_t cell) { return Grid::order(cell / Grid::kAmplitudes); });
-  const Spread amplitude = spread_over_cells(population.weights, [](std::size_t cell) {
-    return Grid::log_amplitude(cell % Grid::kAmplitudes);
-  });
-  const model::Prior general;
-  model::SensorModel model{.name = name};
-  const std::string source = fmt::format("{} sensors, by zerorate fleet prior", sensors.size());
-  model.white = {std::exp(population.distribution.mean[0]), "median of " + source};
-  model.flicker = model::Flicker{
-      .bias_instability_rad_s = model.white.angle_random_walk_rad_per_sqrt_s *
-                                std::exp(amplitude.mean) * std::pow(Grid::kPivot_rad_s, order.mean),
-      .order = order.mean,
-      .source = "median of " + source};
-  model.prior = model::Prior{
-      .order = order.mean,
-      .order_sigma = std::min({expected_sigma(order.variance, general.order_sigma, count),
-                               0.9 * order.mean, 0.9 * (1.0 - order.mean)}),
-      .amplitude_factor =
-          std::exp(expected_sigma(amplitude.variance, std::log(general.amplitude_factor), count)),
-      .source = source};
-  return model;
 }
 
 }  // namespace zerorate::fleet
