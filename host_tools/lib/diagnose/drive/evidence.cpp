@@ -109,16 +109,21 @@ EvidenceCollector::Stretch& EvidenceCollector::part_of_stop(double time_s, doubl
 }
 
 DriveRecord EvidenceCollector::finish(const evaluate::TrueDrives& drives,
-                                      const BiasProcess& process) const {
+                                      const BiasProcess& process,
+                                      std::vector<TraceFinding> findings) const {
   DriveRecord record{.vertical = truth_.vertical,
                      .axis_count = track_.axis_count,
                      .has_acceleration = has_acceleration_,
                      .reference_sigma_rad = truth_.reference_error_rad / std::numbers::sqrt2,
+                     .findings = std::move(findings),
                      .obstacle = truth_.obstacle};
   std::vector<Span> spans;
   for (std::size_t k = 0; k < drives.drives.size(); ++k) {
     const evaluate::ScoredTrueDrive& scored = drives.drives[k];
-    if (scored.flaw != truth::Flaw::none || !(ways_[k].span.length_s() > 0.0)) {
+    const bool is_spoilt = std::ranges::any_of(record.findings, [&](const TraceFinding& finding) {
+      return std::ranges::find(finding.drives, k) != finding.drives.end();
+    });
+    if (is_spoilt || scored.flaw != truth::Flaw::none || !(ways_[k].span.length_s() > 0.0)) {
       ++record.left_out;
       continue;
     }
@@ -177,7 +182,7 @@ DriveRecord read_drive_record(const recording::Input& input, const truth::Track&
       reader, {.model = std::move(model)},
       {.truth = truth,
        .on_sample = [&](const evaluate::ReplayedSample& sample) { collector.take(sample); }});
-  return collector.finish(*result.true_drives, process);
+  return collector.finish(*result.true_drives, process, find_in_trace(read_trace(input, truth)));
 }
 
 }  // namespace zerorate::diagnose
