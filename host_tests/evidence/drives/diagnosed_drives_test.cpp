@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tests/evidence/drives/diagnosed_hour.hpp"
+#include "host_tools/lab/campaign/drive_hour.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
@@ -51,7 +52,9 @@ std::vector<Hidden> kinds() {
 }
 
 simulate::ScenarioDrive hour_with(const Hidden& hidden, std::uint64_t seed) {
-  return made_hour(seed, {.errors = hidden.errors, .per_g_rad_s = hidden.per_g_rad_s});
+  const double per_g = hidden.per_g_rad_s;
+  return campaign::make_hour(seed, {.errors = hidden.errors, .per_g_rad_s = {per_g, per_g, per_g}})
+      .drive;
 }
 
 /// How often a kind was told rightly.

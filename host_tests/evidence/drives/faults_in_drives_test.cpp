@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tests/evidence/drives/diagnosed_hour.hpp"
+#include "host_tools/lab/campaign/drive_hour.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -73,7 +74,7 @@ const Parameter& parameter_of(const Cause& cause, const std::string& name) {
 template <class Fault, class Check>
 void expect_alone(const char* effect, const Fault& fault, const Check& check) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    ScenarioDrive drive = made_hour(seed, {});
+    ScenarioDrive drive = campaign::make_hour(seed, {}).drive;
     fault(drive);
     const DriveDiagnosis diagnosis = diagnosis_of(drive);
     ASSERT_EQ(diagnosis.causes.size(), 1) << effect << ", seed " << seed;

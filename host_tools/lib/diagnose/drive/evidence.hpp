@@ -27,7 +27,8 @@ namespace zerorate::diagnose {
 struct DriveEvidence {
   double departure_s = 0.0;
   double length_s = 0.0;
-  double error_rad = 0.0;  ///< turn about the vertical axis less that of the reference
+  /// Turn about the vertical axis less that of the reference, of which an axis misses a small share
+  double error_rad = 0.0;
   double turn_rad = 0.0;   ///< turn of the reference
   double path_rad = 0.0;   ///< sum of the sizes of its parts
   double moving_s = 0.0;
