@@ -114,6 +114,7 @@ Trace aligned(Trace trace) {
 Estimate delay_with_error(const Trace& trace) {
   std::vector<Lag> lags = lags_of(trace);
   std::vector<double> apart;
+  apart.reserve(lags.size());
   for (const Lag& lag : lags) apart.push_back(std::abs(lag.delay_s - trace.delay_s));
   constexpr double kWide = 6.0;
   constexpr double kAlike_s = 0.01;
