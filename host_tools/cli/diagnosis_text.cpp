@@ -134,7 +134,7 @@ void print_drives(const diagnose::DriveDiagnosis& drives, const std::vector<Diag
              wrapped(diagnose::in_words(drives)));
   for (const std::string& remark : drives.remarks) fmt::print("{}\n", wrapped("note: " + remark));
   for (const diagnose::Cause& cause : drives.causes) print_cause(cause, is_verbose);
-  if (!drives.causes.empty()) {
+  if (drives.causes_of_errors() > 0) {
     const diagnose::DriveGain& gain = drives.gain;
     fmt::print("\n  on {} drives held out, without the causes and with them\n", gain.held_out);
     print_estimate("heading error before, deg rms", gain.rms_before_deg);

@@ -11,12 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/model/catalogue.hpp"
-#include "host_tests/support/folders.hpp"
-#include "host_tools/lib/diagnose/drive/drive_diagnosis.hpp"
-#include "host_tools/lib/recording/writer.hpp"
-#include "host_tools/lib/simulate/scenario.hpp"
-#include "host_tools/lib/simulate/streets.hpp"
+#include "host_tests/evidence/drives/diagnosed_hour.hpp"
+#include "host_tools/lab/campaign/drive_hour.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
@@ -26,7 +22,6 @@ using units::kRadPerDeg;
 
 constexpr std::uint64_t kSeeds = ZERORATE_SEEDS;
 constexpr double kShare = 1.0 / static_cast<double>(kSeeds);
-constexpr double kPeriod_s = 0.04;
 
 /// One error, hidden in the drives.
 struct Hidden {
@@ -56,38 +51,10 @@ std::vector<Hidden> kinds() {
   };
 }
 
-/// An hour in streets at 25 Hz.
 simulate::ScenarioDrive hour_with(const Hidden& hidden, std::uint64_t seed) {
-  // Grades of 3 %: those of 10 % take 0.5 % off a turn about z.
-  const simulate::StreetParams streets{.duration_s = 3600.0,
-                                       .mean_stop_s = 40.0,
-                                       .manoeuvres_per_drive = 5.0,
-                                       .least_grade = 0.03,
-                                       .most_grade = 0.03};
-  const auto motion =
-      simulate::follow(drive_in_streets(streets, random::RandomStream{seed}), kPeriod_s);
-  simulate::ScenarioDrive drive = record(motion, {.errors = hidden.errors}, seed);
-  drive.columns.acceleration = true;
-  if (hidden.per_g_rad_s == 0.0) return drive;
-  for (std::size_t k = 0; k < drive.rows.size(); ++k) {
-    const auto& force_g = motion.force_g[k];
-    drive.rows[k].row.rate_rad_s[2] +=
-        static_cast<float>(hidden.per_g_rad_s * (force_g[0] + force_g[1] + force_g[2] - 1.0));
-  }
-  return drive;
-}
-
-DriveDiagnosis diagnosis_of(const simulate::ScenarioDrive& drive) {
-  const zerorate::testing::ScratchFolder folder;
-  const recording::Input input{folder.path() / "hour.csv"};
-  recording::Writer writer{input.path, drive.columns};
-  for (const simulate::ScenarioRow& row : drive.rows) writer.write(row.row);
-  writer.finish();
-  recording::Reader reader{input};
-  const truth::Track track = truth::read_track(reader);
-  model::SensorModel model = model::find_model("lsm6dso");
-  const truth::Truth truth = truth::find_truth(track, {});
-  return diagnose_drives(read_drive_record(input, track, truth, model), model);
+  const double per_g = hidden.per_g_rad_s;
+  return campaign::make_hour(seed, {.errors = hidden.errors, .per_g_rad_s = {per_g, per_g, per_g}})
+      .drive;
 }
 
 /// How often a kind was told rightly.

@@ -74,14 +74,24 @@ void add_cause(const nlohmann::json& cause, Answer& answer) {
   }
 }
 
-}  // namespace
+/// Output of `zerorate diagnose`, and its exit code.
+struct Written {
+  nlohmann::json document;
+  int code = 0;
+};
 
-Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::path& recording) {
+Written written_by(const std::filesystem::path& zerorate, const std::filesystem::path& recording) {
   const std::filesystem::path json = recording.string() + ".json";
   const int code =
       run({zerorate.string(), "diagnose", recording.string(), "--json", json.string()});
   if (code > 1) throw std::runtime_error(fmt::format("zerorate diagnose ended with {}", code));
-  const auto document = nlohmann::json::parse(std::ifstream{json});
+  return {nlohmann::json::parse(std::ifstream{json}), code};
+}
+
+}  // namespace
+
+Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::path& recording) {
+  const auto [document, code] = written_by(zerorate, recording);
   Answer answer{.verdict = document.at("verdict"),
                 .gain = gain_in(document.at("gain_over_data_sheet"))};
   for (const char* list : {"causes", "further_causes"}) {
@@ -89,6 +99,23 @@ Answer diagnose(const std::filesystem::path& zerorate, const std::filesystem::pa
   }
   if ((code == 1) != (answer.verdict == "unexplained")) {
     throw std::runtime_error(fmt::format("exit code {} with {}", code, answer.verdict));
+  }
+  return answer;
+}
+
+Answer diagnose_drives(const std::filesystem::path& zerorate,
+                       const std::filesystem::path& recording) {
+  const nlohmann::json document = written_by(zerorate, recording).document;
+  Answer answer{.verdict = "not examined"};
+  if (!document.contains("drives")) return answer;
+  const nlohmann::json& drives = document.at("drives");
+  for (const auto& cause : drives.at("causes")) add_cause(cause, answer);
+  const auto& verdict = drives.at("verdict");
+  if (!verdict.is_null()) answer.verdict = verdict;
+  if (verdict.is_null() && !answer.causes.empty()) answer.verdict = "explained";
+  for (const std::string remark : drives.at("remarks")) {
+    const bool is_doubt = remark.starts_with("The error of the reference was estimated");
+    if (is_doubt && answer.verdict == "consistent") answer.verdict = kReferenceDoubted;
   }
   return answer;
 }

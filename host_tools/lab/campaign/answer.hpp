@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,13 @@ struct Answer {
 /// Throws std::runtime_error where it fails or its exit code contradicts the verdict.
 [[nodiscard]] Answer diagnose(const std::filesystem::path& zerorate,
                               const std::filesystem::path& recording);
+
+/// Verdict on drives that are consistent with a reference that errs more on the way than at rest.
+inline constexpr std::string_view kReferenceDoubted = "reference doubted";
+
+/// The answer on the drives of a recording. Throws as diagnose().
+[[nodiscard]] Answer diagnose_drives(const std::filesystem::path& zerorate,
+                                     const std::filesystem::path& recording);
 
 /// Comparison of an answer with the truth.
 struct Score {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/lab/campaign/drive_recording.hpp"
 #include "host_tools/lab/campaign/outside_catalogue.hpp"
 #include "host_tools/lab/campaign/standstill_recording.hpp"
 #include "host_tools/lib/recording/writer.hpp"
@@ -145,6 +146,7 @@ Kind kind_of_run(std::size_t run) {
 }
 
 BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run) {
+  if (options.drives) return draw_drive_recording(options, run);
   if (options.standstills) return draw_standstill_recording(options, run);
   const auto stream = random::RandomStream(options.seed).substream(run);
   // Some base noise hides an effect whatever its size: then another is drawn.
@@ -158,7 +160,17 @@ BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run
       fmt::format("run {}: no effect could be made to cost {} nats", run, options.nats));
 }
 
+void write_drive(const simulate::ScenarioDrive& drive, const std::filesystem::path& path) {
+  recording::Writer writer{path, drive.columns};
+  for (const simulate::ScenarioRow& row : drive.rows) writer.write(row.row);
+  writer.finish();
+}
+
 void write_recording(const BlindRecording& blind, const std::filesystem::path& path) {
+  if (blind.drive) {
+    write_drive(*blind.drive, path);
+    return;
+  }
   const simulate::Signal& signal = blind.signal;
   recording::Columns columns{.axis_count = 1, .temperature = blind.with_temperature};
   columns.still = !blind.still.empty();

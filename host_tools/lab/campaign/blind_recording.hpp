@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host_tools/lib/simulate/effects/signal.hpp"
+#include "host_tools/lib/simulate/scenario.hpp"
 #include "host_tools/lib/simulate/sizing/sized_effect.hpp"
 
 namespace zerorate::campaign {
@@ -29,6 +31,7 @@ struct BlindRecording {
   std::vector<std::array<float, 3>> acceleration_m_s2{};  ///< one a sample, or none
   std::vector<bool> still{};                              ///< likewise
   simulate::Signal signal;
+  std::optional<simulate::ScenarioDrive> drive{};  ///< in place of the signal
 };
 
 struct BlindOptions {
@@ -42,6 +45,7 @@ struct BlindOptions {
   /// Name of the only effect of single recordings to draw; all if empty.
   std::string only;
   bool standstills = false;  ///< recordings of several standstills, see standstill_recording.hpp
+  bool drives = false;       ///< hours of drives with a reference, see drive_recording.hpp
   double finest_step_share =
       0.1;  ///< see RecordingSetting; 1: a quantizer costs the nats as all others do
 };
@@ -60,7 +64,10 @@ struct Round {
 /// A pure function of the options and the number of the run.
 [[nodiscard]] BlindRecording draw_blind_recording(const BlindOptions& options, std::size_t run);
 
-/// Time and rate; temperature, accelerations and standstills if the recording has them.
+/// Writes the rows of the drive, or of the signal: time and rate; temperature, accelerations and
+/// standstills if the recording has them.
 void write_recording(const BlindRecording& blind, const std::filesystem::path& path);
+
+void write_drive(const simulate::ScenarioDrive& drive, const std::filesystem::path& path);
 
 }  // namespace zerorate::campaign

@@ -77,7 +77,8 @@ struct CampaignOptions {
 /// A program that fails has not answered; the campaign goes on.
 Answer answer_of(const CampaignOptions& options, const std::filesystem::path& recording) {
   try {
-    return diagnose(options.zerorate, recording);
+    return options.blind.drives ? diagnose_drives(options.zerorate, recording)
+                                : diagnose(options.zerorate, recording);
   } catch (const std::runtime_error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return {.verdict = "failed"};
@@ -158,10 +159,11 @@ void run_document(CampaignOptions options) {
   for (const double nats : {40.0, 25.0}) {
     options.blind.nats = nats;
     const Tally tally = run_campaign(options);
-    figures +=
-        fmt::format("\n## {:g} nats\n\n{} recordings of {} samples, seed {}, commit {}.\n\n{}",
-                    nats, options.runs, options.blind.samples, options.blind.seed,
-                    options.commit.empty() ? "unknown" : options.commit, tally.markdown());
+    figures += fmt::format(
+        "\n## {:g} nats\n\n{} recordings of {}, seed {}, commit {}.\n\n{}", nats, options.runs,
+        options.blind.drives ? std::string("an hour")
+                             : fmt::format("{} samples", options.blind.samples),
+        options.blind.seed, options.commit.empty() ? "unknown" : options.commit, tally.markdown());
   }
   document.write(figures + "\n");
 }
@@ -235,6 +237,8 @@ cli::Command add_options(CLI::App& app, CampaignOptions& options) {
                  "run at 40 and at 25 nats and write the tables into this document");
   app.add_flag("--standstills", options.blind.standstills,
                "recordings of twelve standstills in as many attitudes; a round has 6");
+  app.add_flag("--drives", options.blind.drives,
+               "hours of drives with a reference; a round has 22");
   app.add_flag("--gain", options.gain,
                "measure what the extended models are worth instead: an effect after the other");
   app.add_option("--recordings", options.gain_recordings, "recordings of each effect, with --gain")

@@ -99,6 +99,7 @@ void find_stops(const Series& speed_m_s, Truth& truth);
 /// The axis whose integral follows the reference's heading. The least squares over turns of at
 /// least a second must have a correlation of 0.7 and turns within 25 % of the reference's. Where no
 /// axis has, the turns in which axis and reference agree roughly must, and be most of all turns.
+/// Where none has even then, turns of 12 s are tried, for a reference that is late.
 /// The time in which an axis repeats one value does not count.
 /// @return nullopt if the reference turns by less than 30 deg in all
 /// Throws recording::DataError if no axis does so.

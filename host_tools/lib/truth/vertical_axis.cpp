@@ -15,23 +15,26 @@ namespace {
 
 using units::kRadPerDeg;
 
-constexpr std::int64_t kLeastTurn_ns = 1'000'000'000;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// Lengths of turns in the order in which they are tried. A reference that is late by a second and
+/// more shares longer ones with the gyro.
+constexpr std::array kLengths_ns{kSecond_ns, 12 * kSecond_ns};
 
-/// Turns of at least a second: of the reference, and of the axes of the gyro.
+/// Turns of some length: of the reference, and of the axes of the gyro.
 struct Turn {
   double length_s;
   double reference_rad;
   std::array<double, recording::kMaxAxes> axes_rad;
 };
 
-std::vector<Turn> turns_of(const Track& track) {
+std::vector<Turn> turns_of(const Track& track, std::int64_t least_ns) {
   const Series& heading = track.heading_rad;
   const std::int64_t longest_ns = heading.longest_interval_ns();
   std::vector<Turn> turns;
   std::size_t first = 0;
   for (std::size_t k = 1; k < heading.size(); ++k) {
     if (heading.time_ns(k) - heading.time_ns(k - 1) > longest_ns) first = k;
-    if (heading.time_ns(k) - heading.time_ns(first) < kLeastTurn_ns) continue;
+    if (heading.time_ns(k) - heading.time_ns(first) < least_ns) continue;
     Turn turn{.length_s = units::seconds(heading.time_ns(k) - heading.time_ns(first)),
               .reference_rad = heading.value(k) - heading.value(first),
               .axes_rad = {}};
@@ -136,31 +139,46 @@ VerticalAxis candidate_of(const std::vector<Turn>& turns, std::size_t axis) {
   return all;
 }
 
+/// The axes as candidates, the best one, and all of them in words.
+struct Candidates {
+  VerticalAxis best{.correlation = -1.0};
+  std::string told;
+};
+
+Candidates candidates_of(const Track& track, const std::vector<Turn>& turns) {
+  Candidates candidates;
+  for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
+    const VerticalAxis candidate = candidate_of(turns, axis);
+    candidates.told += fmt::format("{}{} with correlation {:.2f} and {:.2f} of its turns",
+                                   axis == 0 ? "" : ", ", name(candidate, track.axis_count),
+                                   candidate.correlation, candidate.turns_ratio);
+    if (candidate.correlation > candidates.best.correlation) candidates.best = candidate;
+  }
+  return candidates;
+}
+
 }  // namespace
 
 std::optional<VerticalAxis> find_vertical_axis(const Track& track) {
   constexpr double kLeastTurns_rad = 30.0 * kRadPerDeg;
-  const std::vector<Turn> turns = turns_of(track);
-  double total_rad = 0.0;
-  for (const Turn& turn : turns) total_rad += std::abs(turn.reference_rad);
-  if (total_rad < kLeastTurns_rad) return std::nullopt;
-  VerticalAxis best{.correlation = -1.0};
   std::string candidates;
-  for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
-    const VerticalAxis candidate = candidate_of(turns, axis);
-    candidates += fmt::format("{}{} with correlation {:.2f} and {:.2f} of its turns",
-                              axis == 0 ? "" : ", ", name(candidate, track.axis_count),
-                              candidate.correlation, candidate.turns_ratio);
-    if (candidate.correlation > best.correlation) best = candidate;
+  for (const std::int64_t length_ns : kLengths_ns) {
+    const std::vector<Turn> turns = turns_of(track, length_ns);
+    double total_rad = 0.0;
+    for (const Turn& turn : turns) total_rad += std::abs(turn.reference_rad);
+    if (total_rad < kLeastTurns_rad) {
+      if (candidates.empty()) return std::nullopt;
+      break;
+    }
+    const Candidates found = candidates_of(track, turns);
+    if (is_followed(found.best)) return found.best;
+    if (candidates.empty()) candidates = found.told;
   }
-  if (!is_followed(best)) {
-    throw recording::DataError(fmt::format(
-        "no axis of the gyro follows the reference's heading: {}; expected a correlation of 0.7 "
-        "and 0.8 to 1.25 of its turns. Name the axis that points up or down with --vertical-axis, "
-        "or leave the reference columns out",
-        candidates));
-  }
-  return best;
+  throw recording::DataError(fmt::format(
+      "no axis of the gyro follows the reference's heading: {}; expected a correlation of 0.7 "
+      "and 0.8 to 1.25 of its turns. Name the axis that points up or down with --vertical-axis, "
+      "or leave the reference columns out",
+      candidates));
 }
 
 }  // namespace zerorate::truth

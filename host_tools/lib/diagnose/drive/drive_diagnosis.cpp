@@ -49,9 +49,26 @@ std::vector<Alternative> rivals_of(const MotionChoice& choice, const MotionSelec
   return rivals;
 }
 
-Cause cause_of(const MotionChoice& choice, const MotionSelection& selection,
-               const std::vector<MotionChoice>& others, MotionDescription description) {
-  const std::vector<Alternative> rivals = rivals_of(choice, selection, others);
+/// The other variants of an effect, such as "bias_in_motion_by_metres", and how much less likely
+/// they are.
+std::vector<Alternative> variants_beside(const DriveRecord& record, const MotionChoice& choice,
+                                         const MotionSelection& selection,
+                                         const std::vector<MotionChoice>& others) {
+  std::vector<Alternative> beside;
+  const std::vector<Variant> variants = choice.effect->variants(record);
+  for (const Variant& variant : variants) {
+    if (variant.by == choice.variant.by) continue;
+    const MotionChoice other = selection.weighed(*choice.effect, variant, variants.size(), others);
+    beside.push_back({fmt::format("{}_by_{}", choice.effect->name(), variant.by),
+                      std::max(0.0, choice.evidence_nats - other.evidence_nats)});
+  }
+  return beside;
+}
+
+Cause cause_of(const DriveRecord& record, const MotionChoice& choice,
+               const MotionSelection& selection, const std::vector<MotionChoice>& others,
+               MotionDescription description) {
+  std::vector<Alternative> rivals = rivals_of(choice, selection, others);
   const auto explanations = weigh(choice.effect->name(), choice.surprisal_nats, rivals);
   const auto own = std::ranges::find(explanations, choice.effect->name(), &Explanation::effect);
   Cause cause{.effect = std::string(choice.effect->name()),
@@ -61,6 +78,9 @@ Cause cause_of(const MotionChoice& choice, const MotionSelection& selection,
               .probability = own->probability,
               .set95 = set95_of(explanations),
               .sentence = std::move(description.sentence)};
+  // A variant of the effect does not speak against it.
+  std::ranges::move(variants_beside(record, choice, selection, others), std::back_inserter(rivals));
+  std::ranges::stable_sort(rivals, {}, &Alternative::less_likely_by_nats);
   std::ranges::copy_if(
       rivals, std::back_inserter(cause.alternatives),
       [](const Alternative& rival) { return rival.less_likely_by_nats <= kAlternativeNats; });
@@ -86,6 +106,26 @@ std::vector<SelectionEvidence> evidence_of(
   }
   std::ranges::stable_sort(evidence, std::greater{}, &SelectionEvidence::gain_nats);
   return evidence;
+}
+
+/// Causes that are found without the errors of the heading.
+void add_findings(const DriveRecord& record, DriveDiagnosis& diagnosis) {
+  for (const TraceFinding& finding : record.findings) {
+    const auto explanations = weigh(finding.effect, finding.surprisal_nats, {});
+    diagnosis.causes.push_back({.effect = finding.effect,
+                                .gain_nats = finding.surprisal_nats,
+                                .p_value = std::exp(-finding.surprisal_nats),
+                                .parameters = finding.parameters,
+                                .probability = explanations.front().probability,
+                                .set95 = set95_of(explanations),
+                                .sentence = finding.sentence,
+                                .in_model = false,
+                                .left_out_because = finding.left_out_because});
+    diagnosis.evidence.push_back({.effect = finding.effect,
+                                  .gain_nats = finding.surprisal_nats,
+                                  .price_nats = kDriveThreshold_nats,
+                                  .selected = true});
+  }
 }
 
 void add_points(const DriveRecord& record, const std::vector<MotionChoice>& chosen,
@@ -181,7 +221,10 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
         fmt::format("{} drives between true stops without a flaw, and {} are needed", given.size(),
                     kFewestDrives);
   }
-  if (!diagnosis.obstacle.empty()) return diagnosis;
+  if (!diagnosis.obstacle.empty()) {
+    add_findings(given, diagnosis);
+    return diagnosis;
+  }
   const DriveRecord record = with_reference_by_scatter(given, diagnosis);
   const auto effects = make_motion_effects();
   const MotionSelection selection{record, effects};
@@ -192,8 +235,8 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
   diagnosis.gain = measure_drive_gain(record, chosen, tolerance);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const MotionFinding finding = finding_of(record, chosen, i, fit);
-    Cause cause =
-        cause_of(chosen[i], selection, without(chosen, i), chosen[i].effect->describe(finding));
+    Cause cause = cause_of(record, chosen[i], selection, without(chosen, i),
+                           chosen[i].effect->describe(finding));
     cause.heading_drift_ratio = drift_ratio_of(record, chosen, i);
     cause.left_out_because = cause.heading_drift_ratio->value < 1.0
                                  ? chosen[i].effect->add_to_model(finding, model)
@@ -202,6 +245,7 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
     diagnosis.causes.push_back(std::move(cause));
   }
   diagnosis.evidence = evidence_of(record, effects, selection, chosen);
+  add_findings(record, diagnosis);
   add_points(record, chosen, fit, diagnosis);
   diagnosis.verdict = is_left_unexplained(fit)   ? Verdict::unexplained
                       : diagnosis.causes.empty() ? Verdict::consistent

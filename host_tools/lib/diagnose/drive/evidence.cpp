@@ -16,9 +16,11 @@ using units::seconds;
 constexpr double kLongestPart_s = 30.0;
 /// A shorter part of a stop measures nothing worth its cost.
 constexpr double kShortestPart_s = 2.0;
-/// Share of every turn that an axis misses on grades and by the lean in curves [1 sigma]: 0.045 %
-/// on a grade of 3 %, 0.03 % in a curve of 0.3 g.
-constexpr double kMissedShare = 4e-4;
+/// Share of every turn that an axis misses on grades and by the lean in curves, and its standard
+/// deviation: 0.045 % on a grade of 3 %, 0.03 % in a curve of 0.3 g, never less than none. The mean
+/// is that of a lean of 5 deg per g in curves of 0.2 g, and of grades of 1.5 %.
+constexpr double kMissedShare = 2.5e-4;
+constexpr double kMissedSigma = 3e-4;
 
 /// Integral of the reference's speed [m].
 double metres_between(const truth::Series& speed_m_s, std::int64_t from_ns, std::int64_t to_ns) {
@@ -47,7 +49,7 @@ Eigen::MatrixXd DriveRecord::covariance() const {
     v(k, k) += 2.0 * reference_rad2 + way_sigma_rad * way_sigma_rad;
     for (std::size_t j = 0; j < size(); ++j) {
       v(k, static_cast<Eigen::Index>(j)) +=
-          kMissedShare * kMissedShare * drives[i].turn_rad * drives[j].turn_rad;
+          kMissedSigma * kMissedSigma * drives[i].turn_rad * drives[j].turn_rad;
     }
     if (i + 1 == size() || number[i + 1] != number[i] + 1) continue;
     v(k, k + 1) -= reference_rad2;
@@ -109,16 +111,21 @@ EvidenceCollector::Stretch& EvidenceCollector::part_of_stop(double time_s, doubl
 }
 
 DriveRecord EvidenceCollector::finish(const evaluate::TrueDrives& drives,
-                                      const BiasProcess& process) const {
+                                      const BiasProcess& process,
+                                      std::vector<TraceFinding> findings) const {
   DriveRecord record{.vertical = truth_.vertical,
                      .axis_count = track_.axis_count,
                      .has_acceleration = has_acceleration_,
                      .reference_sigma_rad = truth_.reference_error_rad / std::numbers::sqrt2,
+                     .findings = std::move(findings),
                      .obstacle = truth_.obstacle};
   std::vector<Span> spans;
   for (std::size_t k = 0; k < drives.drives.size(); ++k) {
     const evaluate::ScoredTrueDrive& scored = drives.drives[k];
-    if (scored.flaw != truth::Flaw::none || !(ways_[k].span.length_s() > 0.0)) {
+    const bool is_spoilt = std::ranges::any_of(record.findings, [&](const TraceFinding& finding) {
+      return std::ranges::find(finding.drives, k) != finding.drives.end();
+    });
+    if (is_spoilt || scored.flaw != truth::Flaw::none || !(ways_[k].span.length_s() > 0.0)) {
       ++record.left_out;
       continue;
     }
@@ -159,7 +166,8 @@ void EvidenceCollector::take_rest_off(const BiasProcess& process, const std::vec
       }
       one.vibration_g2_s -= weight * at_rest[k]->vibration_g2_s;
     }
-    one.error_rad = truth_.vertical.sign * one.turned_rad[truth_.vertical.axis] - one.turn_rad;
+    one.error_rad = truth_.vertical.sign * one.turned_rad[truth_.vertical.axis] -
+                    (1.0 - kMissedShare) * one.turn_rad;
   }
 }
 
@@ -177,7 +185,7 @@ DriveRecord read_drive_record(const recording::Input& input, const truth::Track&
       reader, {.model = std::move(model)},
       {.truth = truth,
        .on_sample = [&](const evaluate::ReplayedSample& sample) { collector.take(sample); }});
-  return collector.finish(*result.true_drives, process);
+  return collector.finish(*result.true_drives, process, find_in_trace(read_trace(input, truth)));
 }
 
 }  // namespace zerorate::diagnose

@@ -13,6 +13,7 @@
 
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/diagnose/drive/bias_process.hpp"
+#include "host_tools/lib/diagnose/drive/trace_effect.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/evaluate/true_drives.hpp"
 #include "host_tools/lib/recording/reader.hpp"
@@ -26,7 +27,8 @@ namespace zerorate::diagnose {
 struct DriveEvidence {
   double departure_s = 0.0;
   double length_s = 0.0;
-  double error_rad = 0.0;  ///< turn about the vertical axis less that of the reference
+  /// Turn about the vertical axis less that of the reference, of which an axis misses a small share
+  double error_rad = 0.0;
   double turn_rad = 0.0;   ///< turn of the reference
   double path_rad = 0.0;   ///< sum of the sizes of its parts
   double moving_s = 0.0;
@@ -47,8 +49,9 @@ struct DriveRecord {
   std::vector<std::size_t> number;  ///< number of each drive, of which flawed ones are left out
   /// Covariance of the errors by noise and by the bias between its measurements [rad^2]
   Eigen::MatrixXd bias_rad2;
-  std::size_t left_out = 0;  ///< drives with a flaw
-  std::string obstacle;      ///< reason why there are no drives; empty if there are
+  std::size_t left_out = 0;            ///< drives with a flaw, or spoilt by a finding
+  std::vector<TraceFinding> findings;  ///< found in the rows and in the reference of single drives
+  std::string obstacle;                ///< reason why there are no drives; empty if there are
 
   [[nodiscard]] std::size_t size() const { return drives.size(); }
   /// Errors of all drives [rad].
@@ -66,8 +69,9 @@ class EvidenceCollector {
   void take(const evaluate::ReplayedSample& sample);
   /// @param drives of the same replay, whose node had no tolerance of the scale factor
   /// @param process that the bias follows, of each axis
-  [[nodiscard]] DriveRecord finish(const evaluate::TrueDrives& drives,
-                                   const BiasProcess& process) const;
+  /// @param findings whose drives are left out
+  [[nodiscard]] DriveRecord finish(const evaluate::TrueDrives& drives, const BiasProcess& process,
+                                   std::vector<TraceFinding> findings) const;
 
  private:
   /// Sums over a drive, or over a part of a stop.

@@ -50,7 +50,7 @@ report::Chart chart_over(const DriveDiagnosis& drives, std::string title, report
     share.y.push_back(point.share_rad * kDegPerRad);
   }
   chart.series.push_back(std::move(error));
-  if (!drives.causes.empty()) chart.series.push_back(std::move(share));
+  if (drives.causes_of_errors() > 0) chart.series.push_back(std::move(share));
   return chart;
 }
 
@@ -108,17 +108,26 @@ std::string drift_in_words(const DriveDiagnosis& drives) {
 }
 
 std::string in_words(const DriveDiagnosis& drives) {
-  if (!drives.obstacle.empty()) return "The drives are not diagnosed: " + drives.obstacle + ".";
+  if (!drives.obstacle.empty()) {
+    std::string text = "The drives are not diagnosed: " + drives.obstacle + ".";
+    for (const Cause& cause : drives.causes) text += " " + cause.sentence;
+    return text;
+  }
   std::string text = fmt::format(
       "Over {} drives between true stops the heading errs by {} deg rms about axis {}, with the "
       "bias "
       "between the stops taken off.",
       drives.drives, in_figures(drives.rms_rad * kDegPerRad), drives.vertical);
-  for (const Cause& cause : drives.causes) text += " " + cause.sentence + rivals_in_words(cause);
-  if (!drives.causes.empty()) {
-    text +=
-        fmt::format(" Without {} {} deg rms are left.", drives.causes.size() == 1 ? "it" : "them",
-                    in_figures(drives.rms_left_rad * kDegPerRad));
+  for (const Cause& cause : drives.causes) {
+    if (cause.heading_drift_ratio) text += " " + cause.sentence + rivals_in_words(cause);
+  }
+  const std::size_t of_errors = drives.causes_of_errors();
+  if (of_errors > 0) {
+    text += fmt::format(" Without {} {} deg rms are left.", of_errors == 1 ? "it" : "them",
+                        in_figures(drives.rms_left_rad * kDegPerRad));
+  }
+  for (const Cause& cause : drives.causes) {
+    if (!cause.heading_drift_ratio) text += " " + cause.sentence;
   }
   if (drives.verdict == Verdict::unexplained) {
     text += fmt::format(

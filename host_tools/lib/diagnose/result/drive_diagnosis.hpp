@@ -2,6 +2,7 @@
 /// Diagnosis of drives: what the heading errs by, the causes, and what taking them off buys.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -47,6 +48,12 @@ struct DriveDiagnosis {
   DriveGain gain;
   std::vector<DrivePoint> points;
   std::vector<std::string> remarks;
+
+  /// Causes that have a share in the errors, those of single drives and of the reference left out.
+  [[nodiscard]] std::size_t causes_of_errors() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        causes, [](const Cause& cause) { return cause.heading_drift_ratio.has_value(); }));
+  }
 };
 
 }  // namespace zerorate::diagnose
