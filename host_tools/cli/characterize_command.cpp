@@ -31,7 +31,7 @@ using units::kDphPerRadS;
 struct CharacterizeOptions {
   InputFlags input;
   std::string axis = "all";
-  RestFlags rest;
+  std::string still_from = "odometer";
   std::string order = "free";
   std::vector<std::string> others;
   OutputOptions outputs;
@@ -70,8 +70,9 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
     input.recording = name;
     recording::Reader reader{to_input(input)};
     identify::RestSamples samples =
-        identify::read_rest(reader, identify::rest_source(options.rest.still_from));
-    for (std::string& doubt : identify::require_rest(samples, to_accepted(options.rest.accept))) {
+        identify::read_rest(reader, identify::rest_source(options.still_from));
+    for (std::string& doubt :
+         identify::require_rest(samples, identify::AcceptedDoubts{options.input.accept})) {
       doubts.push_back(name + ": " + std::move(doubt));
     }
     others.push_back(std::move(samples));
@@ -90,9 +91,9 @@ identify::Characterization run_identification(const CharacterizeOptions& options
     progress.update(share ? std::optional{0.5 * *share} : std::nullopt);
   };
   const identify::RestSamples samples =
-      identify::read_rest(reader, identify::rest_source(options.rest.still_from), rest);
+      identify::read_rest(reader, identify::rest_source(options.still_from), rest);
   std::vector<std::string> doubts =
-      identify::require_rest(samples, to_accepted(options.rest.accept));
+      identify::require_rest(samples, identify::AcceptedDoubts{options.input.accept});
   const identify::CharacterizeOptions settings{
       .recording = file_name(options.input.recording),
       .axes = axes,
@@ -251,7 +252,7 @@ Command add_characterize(CLI::App& app) {
       app.add_subcommand("characterize", "Identify a sensor's noise from a recording at rest");
   const auto options = std::make_shared<CharacterizeOptions>();
   add_input_options(*command, options->input);
-  add_rest_options(*command, options->rest);
+  add_rest_options(*command, options->still_from);
   add_axis_option(*command, options->axis);
   command
       ->add_option("--order", options->order,

@@ -36,7 +36,7 @@ struct DiagnoseOptions {
   InputFlags input_flags;
   recording::Input recording;  ///< filled by input_flags
   std::string axis = "all";
-  RestFlags rest;
+  std::string still_from = "odometer";
   std::string model;
   std::string model_out;
   double holdout = 0.3;
@@ -156,12 +156,12 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   rest.on_progress = [&](std::optional<double> share) {
     progress.update(share ? std::optional{kReading * *share} : std::nullopt);
   };
-  const core::StandstillSource source = identify::rest_source(options.rest.still_from);
+  const core::StandstillSource source = identify::rest_source(options.still_from);
   identify::RestSamples samples = identify::read_rest(reader, source, rest);
   if (source == core::StandstillSource::odometer && reader.columns().odometer) {
     keep_calm(samples, odometer);
   }
-  doubts = identify::require_rest(samples, to_accepted(options.rest.accept));
+  doubts = identify::require_rest(samples, identify::AcceptedDoubts{options.recording.accepted});
   if (std::string unused = recording::doubt_of_rows(samples.findings); !unused.empty())
     doubts.insert(doubts.begin(), std::move(unused));
   for (const std::string& doubt : doubts) print_note(options, doubt);
@@ -273,7 +273,7 @@ Command add_diagnose(CLI::App& app) {
       "model");
   const auto options = std::make_shared<DiagnoseOptions>();
   add_input_options(*command, options->input_flags);
-  add_rest_options(*command, options->rest);
+  add_rest_options(*command, options->still_from);
   add_axis_option(*command, options->axis);
   command->add_option(
       "--model", options->model,

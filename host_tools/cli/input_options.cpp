@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host_tools/lib/identify/rest_doubt.hpp"
+
 namespace zerorate::cli {
 namespace {
 
@@ -53,6 +55,11 @@ void add_format_options(CLI::App& command, InputFlags& flags) {
       ->check(CLI::Range(0.0, 60.0));
   add("--metres-per-pulse", flags.metres_per_pulse, "make odometer pulses of the speed [m]")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--accept", flags.accept,
+                  "what looks wrong at rest and is right, as the refusal names it: " +
+                      identify::doubt_names() + "; several with commas")
+      ->group("Files of other formats");
   add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
   add("--odometry-topic", flags.odometry_topic,
       "topic of nav_msgs/Odometry in a bag, whose speed decides what is rest; default: the only "
@@ -85,23 +92,9 @@ void add_axis_option(CLI::App& command, std::string& axis) {
       ->capture_default_str();
 }
 
-void add_accept_option(CLI::App& command, std::string& accept) {
-  command.add_option("--accept", accept,
-                     "what looks wrong and is right, as the refusal names it: " +
-                         identify::doubt_names() + "; several with commas");
-}
-
-identify::AcceptedDoubts to_accepted(const std::string& accept) {
-  identify::AcceptedDoubts accepted;
-  read_option("--accept", accept,
-              [&](const std::string& text) { accepted = identify::AcceptedDoubts{text}; });
-  return accepted;
-}
-
-void add_rest_options(CLI::App& command, RestFlags& flags) {
-  add_accept_option(command, flags.accept);
+void add_rest_options(CLI::App& command, std::string& still_from) {
   command
-      .add_option("--still-from", flags.still_from,
+      .add_option("--still-from", still_from,
                   "source of rest: odometer (pulses, still or speed; without them all "
                   "is rest) or "
                   "gyro (its own calm)")
@@ -119,6 +112,10 @@ recording::Input to_input(const InputFlags& flags) {
   read_option("--units", flags.units, [&](Text text) { input.layout.set_units(text); });
   read_option("--delimiter", flags.delimiter, [&](Text text) { input.layout.set_delimiter(text); });
   read_option("--where", flags.where, [&](Text text) { input.layout.set_where(text); });
+  read_option("--accept", flags.accept, [&](Text text) {
+    static_cast<void>(identify::AcceptedDoubts{text});
+    input.accepted = text;
+  });
   input.layout.skipped_lines = flags.skip_lines;
   input.layout.rows_at_hz = flags.rows_at_hz;
   input.layout.decimal_comma = flags.decimal_comma;
@@ -156,6 +153,7 @@ std::string to_text(const InputFlags& flags) {
   add("--where", flags.where);
   add("--skip-lines", flags.skip_lines == 0 ? "" : std::to_string(flags.skip_lines));
   add("--rows-at", number(flags.rows_at_hz));
+  add("--accept", flags.accept);
   add("--speed-column", flags.speed_column);
   add("--still-below", number(flags.still_below_mps));
   add("--speed-delay", number(flags.speed_delay_s));

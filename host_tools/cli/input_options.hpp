@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/standstill/standstill.hpp"
-#include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/recording/input.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library chose the name
@@ -33,6 +32,7 @@ struct InputFlags {
   std::string odometer_file;
   std::string odometer_columns;
   std::string odometer_units;
+  std::string accept;
   std::string topic;
   std::string odometry_topic;
 };
@@ -46,20 +46,8 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags);
 /// Adds --axis: x, y, z or all.
 void add_axis_option(CLI::App& command, std::string& axis);
 
-/// Options of a command that wants rest alone, as typed.
-struct RestFlags {
-  std::string still_from = "odometer";
-  std::string accept;
-};
-
-/// Adds --still-from and --accept.
-void add_rest_options(CLI::App& command, RestFlags& flags);
-
-/// Adds --accept.
-void add_accept_option(CLI::App& command, std::string& accept);
-
-/// Throws std::invalid_argument that names the option.
-[[nodiscard]] identify::AcceptedDoubts to_accepted(const std::string& accept);
+/// Adds --still-from for commands that want rest alone.
+void add_rest_options(CLI::App& command, std::string& still_from);
 
 /// Throws std::invalid_argument that names the option.
 [[nodiscard]] recording::Input to_input(const InputFlags& flags);

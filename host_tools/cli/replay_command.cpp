@@ -26,14 +26,13 @@ struct ReplayCommandOptions {
   TruthFlags truth;
   OutputOptions outputs;
   std::string out;
-  std::string accept;
 };
 
 ExitCode run_replay(const ReplayCommandOptions& options) {
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   replay_options.checks_rest = true;
-  replay_options.accepted = to_accepted(options.accept);
   const recording::Input input = to_input(options.input);
+  replay_options.accepted = identify::AcceptedDoubts{input.accepted};
   // A schedule means that the sensor was at rest: then nothing else is the truth.
   std::optional<truth::Truth> truth;
   if (!replay_options.schedule) truth = read_truth(input, options.truth);
@@ -82,7 +81,6 @@ Command add_replay(CLI::App& app) {
   auto* command = app.add_subcommand("replay", "Run a recording through the node's firmware");
   const auto options = std::make_shared<ReplayCommandOptions>();
   add_input_options(*command, options->input);
-  add_accept_option(*command, options->accept);
   add_replay_flags(*command, options->flags);
   add_truth_flags(*command, options->truth);
   add_learn_flag(*command, options->truth);

@@ -256,7 +256,7 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result) {
 }
 
 std::vector<AxisResult> noise_of(const identify::RestSamples& all, std::string_view name) {
-  const identify::RestSamples samples = identify::without_outliers(all);
+  const identify::RestSamples samples = identify::measurements_of(all);
   const core::Duration period = samples.mean_period;
   const core::Duration tick = identify::identification_tick(samples);
   const auto ticks = identify::average_ticks(samples, tick);
@@ -272,10 +272,11 @@ std::vector<AxisResult> noise_of(const identify::RestSamples& all, std::string_v
   return axes;
 }
 
-identify::RestSamples read_population_samples(recording::Reader& reader) {
+identify::RestSamples read_population_samples(const recording::Input& recording) {
   constexpr double kMostUnused = 0.1;
+  recording::Reader reader{recording};
   identify::RestSamples samples = identify::read_rest_samples(reader);
-  static_cast<void>(identify::require_rest(samples));
+  static_cast<void>(identify::require_rest(samples, identify::AcceptedDoubts{recording.accepted}));
   const auto left_out = samples.findings.left_out();
   const double unused =
       static_cast<double>(left_out + samples.lost) / static_cast<double>(left_out + samples.rows);
@@ -289,8 +290,7 @@ identify::RestSamples read_population_samples(recording::Reader& reader) {
 }
 
 RecordingResult analyse(const recording::Input& recording, std::string_view axis) {
-  recording::Reader reader{recording};
-  const identify::RestSamples samples = read_population_samples(reader);
+  const identify::RestSamples samples = read_population_samples(recording);
   const std::vector<std::size_t> axes = identify::axes_called(axis, samples.axis_count);
   const identify::Characterization characterization = identify::characterize(
       samples, {.recording = recording.path.filename().string(), .axes = axes});
@@ -298,7 +298,7 @@ RecordingResult analyse(const recording::Input& recording, std::string_view axis
                          .sample_period_s = units::seconds(characterization.sample_period.ns()),
                          .rest_s = characterization.rest_s};
   const auto ticks =
-      identify::average_ticks(identify::without_outliers(samples), characterization.tick);
+      identify::average_ticks(identify::measurements_of(samples), characterization.tick);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     AxisResult one = result_of(characterization.axes[i]);
     one.mean_rate_rad_s = mean_rate(samples, axes[i]);

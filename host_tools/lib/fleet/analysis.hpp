@@ -101,7 +101,7 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result);
 /// Samples of a recording at rest, as far as a sensor can be judged by them. Throws
 /// recording::DataError for one that is not at rest, and where more than 10 % of the rows cannot be
 /// used.
-[[nodiscard]] identify::RestSamples read_population_samples(recording::Reader& reader);
+[[nodiscard]] identify::RestSamples read_population_samples(const recording::Input& recording);
 
 /// Characterizes and diagnoses a recording. Deterministic: a pure function of the samples.
 /// @param axis  x, y, z or all

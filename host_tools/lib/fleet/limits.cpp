@@ -301,8 +301,7 @@ void judge_figures(Acceptance& acceptance) {
 }  // namespace
 
 Acceptance accept(const recording::Input& recording, const Limits& limits, std::string_view which) {
-  recording::Reader reader{recording};
-  const identify::RestSamples samples = read_population_samples(reader);
+  const identify::RestSamples samples = read_population_samples(recording);
   // Periods of the samples together. Stamps at the ends may hide one more.
   const double period_s = units::seconds(samples.mean_period.ns());
   Acceptance acceptance{.rest_s = period_s * static_cast<double>(samples.time.size())};

@@ -308,8 +308,9 @@ core::Duration identification_tick(const RestSamples& samples) {
   return identification_tick(samples.span(), std::max(samples.sample_period, samples.mean_period));
 }
 
-RestSamples without_outliers(const RestSamples& samples) {
+RestSamples measurements_of(const RestSamples& all) {
   constexpr double kMostOutliers = 0.05;  // more are the noise of this sensor, or none of a gyro
+  const RestSamples samples = without_repeats(all);
   const std::vector<std::size_t> outliers = find_outliers(samples);
   const auto most = kMostOutliers * static_cast<double>(samples.time.size());
   if (static_cast<double>(outliers.size()) > most) {
@@ -324,7 +325,7 @@ RestSamples without_outliers(const RestSamples& samples) {
 }
 
 Characterization characterize(const RestSamples& all, const CharacterizeOptions& options) {
-  const RestSamples samples = without_outliers(without_repeats(all));
+  const RestSamples samples = measurements_of(all);
   const auto [tick, ticks] = Ticks(samples, options);
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,

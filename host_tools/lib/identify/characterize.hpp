@@ -127,8 +127,9 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
 [[nodiscard]] model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,
                                           const std::string& recording, const std::string& axis);
 
-/// Samples without find_outliers(). Throws recording::DataError where they are more than 5 %.
-[[nodiscard]] RestSamples without_outliers(const RestSamples& samples);
+/// Samples without_repeats() and without find_outliers(). Throws recording::DataError where they
+/// are more than 5 %.
+[[nodiscard]] RestSamples measurements_of(const RestSamples& all);
 
 /// Identifies each axis, outliers left out, by the innovations likelihood, from the Whittle fit of
 /// its longest stretch without holes. The white noise is that of tick means on purpose: at the raw

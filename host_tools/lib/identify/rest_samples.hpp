@@ -47,7 +47,7 @@ struct RestSamples {
   std::uint64_t moving = 0;    ///< rows left out because the vehicle moved or was about to
   std::uint64_t lost = 0;      ///< rows left out because a rate is missing or time does not advance
   std::uint64_t wild = 0;      ///< rows left out because the gyro did not measure after power-on
-  std::uint64_t outliers = 0;  ///< rows left out by without_outliers()
+  std::uint64_t outliers = 0;  ///< rows left out by measurements_of(): find_outliers()
   std::uint64_t repeated = 0;  ///< rows left out by without_repeats()
   recording::Findings findings;
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "host_tools/lib/identify/characterize.hpp"
-#include "host_tools/lib/identify/repeats.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 
 namespace zerorate::identify {
@@ -53,8 +52,8 @@ Sameness test_sameness(std::span<const AxisTicks> recordings, std::optional<doub
 
 void compare_recordings(const RestSamples& samples, std::span<const RestSamples> further,
                         const CharacterizeOptions& options, Characterization& result) {
-  std::vector<RestSamples> all{without_outliers(without_repeats(samples))};
-  for (const RestSamples& one : further) all.push_back(without_outliers(without_repeats(one)));
+  std::vector<RestSamples> all{measurements_of(samples)};
+  for (const RestSamples& one : further) all.push_back(measurements_of(one));
   std::vector<std::vector<TickMean>> means;
   std::vector<core::Duration> ticks;
   for (const RestSamples& one : all) {

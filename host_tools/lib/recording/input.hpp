@@ -27,6 +27,7 @@ struct Input {
   std::optional<SpeedRule> speed;       ///< nullopt: any speed but 0 is motion, without delay
   std::filesystem::path odometer_path;  ///< empty: the odometer is in `path`, if anywhere
   Layout odometer_layout;
+  std::string accepted;        ///< doubts that are wrong, by their names: "counts,motion"
   std::string topic;           ///< topic of sensor_msgs/Imu in a bag; empty: the only one
   std::string odometry_topic;  ///< topic of nav_msgs/Odometry in a bag; empty: the only one, if any
 

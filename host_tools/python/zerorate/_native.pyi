@@ -48,9 +48,9 @@ class Node:
 
 _Outcome = tuple[str, dict[str, str], list[str]]
 
-def characterize(source: Source, name: str, axis: str, order: Optional[float], still_from: str) -> _Outcome: ...
+def characterize(source: Source, name: str, axis: str, order: Optional[float], still_from: str, accept: str) -> _Outcome: ...
 def diagnose(
-    source: Source, name: str, axis: str, model: Optional[str], holdout: float, still_from: str
+    source: Source, name: str, axis: str, model: Optional[str], holdout: float, still_from: str, accept: str
 ) -> tuple[_Outcome, dict[str, list[list[float]]]]: ...
 def evaluate(
     source: Source,
