@@ -54,15 +54,18 @@ double variance_about(double typical, std::vector<double> blocks) {
 
 LostShare lost_share(std::span<const core::Instant> times, bool shares_stamps) {
   const std::size_t fewest_blocks = shares_stamps ? 16 : 32;
-  LostShare lost{.by_unevenness = 1.0};
+  LostShare lost{.by_unevenness = 1.0, .most_by_unevenness = 1.0};
   double mean_ns = 0.0;
   for (const std::size_t samples : {64U, 256U, 1024U}) {
     if (times.size() <= fewest_blocks * samples) break;
     std::vector<double> blocks = durations(times, samples);
+    const std::size_t count = blocks.size();
     const double typical = statistics::median_of(blocks);
     const double variance_ns2 = variance_about(typical, std::move(blocks));
     const double share = static_cast<double>(samples) * variance_ns2 / (typical * typical);
+    const double most = share * (1.0 + std::sqrt(2.0 / static_cast<double>(count)));
     lost.by_unevenness = shares_stamps ? share : std::min(lost.by_unevenness, share);
+    lost.most_by_unevenness = shares_stamps ? share : std::min(lost.most_by_unevenness, most);
     mean_ns = typical / static_cast<double>(samples);
   }
   if (!(mean_ns > 0.0)) return {};

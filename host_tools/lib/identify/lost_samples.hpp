@@ -17,11 +17,12 @@ struct LostShare {
   /// regular train with a share q lost it is q for every m, and jitter of a clock adds the less the
   /// larger m.
   double by_unevenness = 0.0;
-  core::Duration mean_interval;  ///< between the samples that were recorded
+  double most_by_unevenness = 0.0;  ///< with one standard error of the variance of so many blocks
+  core::Duration mean_interval;     ///< between the samples that were recorded
 
   /// The share that both views confirm.
   [[nodiscard]] double certain() const {
-    return by_intervals < by_unevenness ? by_intervals : by_unevenness;
+    return by_intervals < most_by_unevenness ? by_intervals : most_by_unevenness;
   }
 };
 

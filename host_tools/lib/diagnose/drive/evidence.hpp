@@ -29,8 +29,8 @@ struct DriveEvidence {
   double length_s = 0.0;
   /// Turn about the vertical axis less that of the reference, of which an axis misses a small share
   double error_rad = 0.0;
-  double turn_rad = 0.0;   ///< turn of the reference
-  double path_rad = 0.0;   ///< sum of the sizes of its parts
+  double turn_rad = 0.0;  ///< turn of the reference
+  double path_rad = 0.0;  ///< sum of the sizes of its parts
   double moving_s = 0.0;
   double metres = 0.0;
   std::array<double, 3> turned_rad{};  ///< turns about x, y and z of the sensor
