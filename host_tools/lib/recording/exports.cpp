@@ -131,7 +131,8 @@ bool has_decimal_commas(std::string_view row, char delimiter) {
 
 }  // namespace
 
-CompletedLayout complete_layout(const Layout& said, std::string_view ahead, std::string_view file) {
+CompletedLayout complete_layout(const Layout& said, std::string_view ahead,
+                                const std::filesystem::path& file) {
   CompletedLayout result{said, {}};
   const std::vector<std::string_view> lines = lines_of(ahead);
   if (!said.columns.empty()) {
@@ -141,8 +142,9 @@ CompletedLayout complete_layout(const Layout& said, std::string_view ahead, std:
     if (header) result.layout.skipped_lines = header->line;
     return result;
   }
+  const std::string name = file.filename().string();
   for (const Export& one : kExports) {
-    if (file.find(one.file) == std::string_view::npos) continue;
+    if (name.find(one.file) == std::string::npos) continue;
     Layout layout = said;
     layout.set_columns(one.columns);
     std::vector<std::string_view> names = names_in(layout);

@@ -2,6 +2,7 @@
 /// Files of other programs, recognised by their headers.
 #pragma once
 
+#include <filesystem>
 #include <string_view>
 
 #include "host_tools/lib/recording/layout.hpp"
@@ -18,8 +19,8 @@ struct CompletedLayout {
 /// before it is skipped. Where the user names columns, lines before the first with all of these
 /// names are skipped. Programs whose headers for gyro and accelerometer are alike are recognised
 /// by the name of the file, too.
-/// @param ahead  beginning of the text  @param file  name of the file
+/// @param ahead  beginning of the text  @param file  name of the file, with or without folders
 [[nodiscard]] CompletedLayout complete_layout(const Layout& said, std::string_view ahead,
-                                              std::string_view file);
+                                              const std::filesystem::path& file);
 
 }  // namespace zerorate::recording

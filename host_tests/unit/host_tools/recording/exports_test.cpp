@@ -108,7 +108,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(KnownExportByName, OfAnAccelerometerIsNone) {
   const zerorate::testing::ScratchFolder folder;
-  const Input input{folder.write("Accelerometer.csv", "time,seconds_elapsed,z,y,x\n1,0,1,2,3\n")};
+  std::filesystem::create_directory(folder.path() / "Gyroscope");
+  const Input input{
+      folder.write("Gyroscope/Accelerometer.csv", "time,seconds_elapsed,z,y,x\n1,0,1,2,3\n")};
   EXPECT_THROW(static_cast<void>(Reader{input}), Error);
 }
 
