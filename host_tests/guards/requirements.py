@@ -5,10 +5,11 @@ usage: requirements.py PAGE [--write]
 
 A test names requirements in a comment directly above it: `/// Verifies SR-STILL-01, SR-HEAD-02.` in C++ and JavaScript,
 `# Verifies SR-MEM-01.` in Python and CMake. PAGE has them in tables of five columns: ID, requirement, rationale, status
-(`tested`, or `open:` with a reason) and the tests, which --write fills in. A finding is: a requirement that no test names
-and that is not open; an open one that a test names; a name without a requirement, in a test or a page beside PAGE; a
-comment above no test; a row that is incomplete; a column of tests that is stale. Prints `file:line: complaint` for each
-and exits with 1 where there is one.
+(`tested`, or `open:` with a reason) and the tests. --write fills in the last column, and the line that counts them.
+
+A finding is: a requirement that no test names and that is not open; an open one that a test names; a name without a
+requirement, in a test or a page beside PAGE; a comment above no test; a row that is incomplete; a stale column or count.
+Prints `file:line: complaint` for each and exits with 1 where there is one.
 """
 
 import argparse
@@ -24,6 +25,7 @@ NAMED = re.compile(r"SR-[A-Z]+-\d+")
 TAG = re.compile(rf"^\s*(?:///|#) Verifies ({ID}(?:, {ID})*)\.$")
 ATTEMPT = re.compile(r"^\s*(?:///?|#)\s*Verifies:? .*SR-")
 ROW = re.compile(rf"^\| ({ID}) \|(.*)\|$")
+COUNT = re.compile(r"^\d+ requirements, \d+ of them open\.$", re.MULTILINE)
 COLUMNS = ("requirement", "rationale", "status", "tests")
 # Beginning of a test -> what tests of that kind are called.
 TESTS = (
@@ -118,13 +120,19 @@ def rows_of(text):
             yield number, row[1], [cell.strip() for cell in row[2].split("|")]
 
 
+def is_open(cells):
+    return len(cells) > 2 and re.fullmatch(r"open: \S.*", cells[2]) is not None
+
+
 def written(page, root, tests):
-    """The page with its column of tests made anew."""
+    """The page with its column of tests, and its count of requirements, made anew."""
     lines = page.read_text(encoding="utf-8").split("\n")
-    for number, one, cells in rows_of("\n".join(lines)):
+    rows = list(rows_of("\n".join(lines)))
+    for number, one, cells in rows:
         cell = cell_of(tests.of.get(one, []), root, page.parent)
         lines[number - 1] = "| " + " | ".join([one, *cells[:3], cell]) + " |"
-    return "\n".join(lines)
+    still_open = sum(is_open(cells) for _, _, cells in rows)
+    return COUNT.sub(f"{len(rows)} requirements, {still_open} of them open.", "\n".join(lines))
 
 
 def complaints_of_row(one, cells, tests, seen):
@@ -136,12 +144,11 @@ def complaints_of_row(one, cells, tests, seen):
     requirement, rationale, status, _ = cells
     if not re.search(r"\bshall\b", requirement) or not rationale:
         yield f"{one} needs a sentence with `shall`, and a rationale"
-    is_open = re.fullmatch(r"open: \S.*", status) is not None
-    if not is_open and status != "tested":
+    if not is_open(cells) and status != "tested":
         yield f"{one}: the status is `tested`, or `open:` with a reason"
-    elif is_open and one in tests.of:
+    elif is_open(cells) and one in tests.of:
         yield f"{one} is open, and {tests.of[one][0][0]} names it"
-    elif not is_open and one not in tests.of:
+    elif not is_open(cells) and one not in tests.of:
         yield f"{one}: no test names it"
 
 

@@ -89,6 +89,12 @@ class Column(unittest.TestCase):
                                       "docs/safety/requirements.md --write"])
         self.assertEqual(page, HEAD + row())
 
+    def test_is_counted(self):
+        rows = row() + row("SR-STILL-02", status="open: no board", tests="") + "\n9 requirements, 9 of them open.\n"
+        complaints, page = checked(rows, {"host_tests/stop_test.cpp": TAGGED})
+        self.assertIn("stale", complaints[0])
+        self.assertTrue(page.endswith("\n2 requirements, 1 of them open.\n"))
+
     def test_names_tests_of_every_kind(self):
         kinds = {"host_tests/a_test.cpp": ("/// Verifies SR-STILL-01.\nTYPED_TEST(Stop,\n           Ends) {}\n", "Stop.Ends"),
                  "host_tests/a_test.py": ("class Stop(TestCase):\n    # Verifies SR-STILL-01.\n    def test_ends(self):\n",
