@@ -7,9 +7,9 @@ A test names requirements in a comment directly above it: `/// Verifies SR-STILL
 `# Verifies SR-MEM-01.` in Python and CMake. PAGE has them in tables of five columns: ID, requirement, rationale, status
 (`tested`, or `open:` with a reason) and the tests. --write fills in the last column, and the line that counts them.
 
-A finding is: a requirement that no test names and that is not open; an open one that a test names; a name without a
-requirement, in a test or a page beside PAGE; a comment above no test; a row that is incomplete; a stale column or count.
-Prints `file:line: complaint` for each and exits with 1 where there is one.
+A finding is: a requirement that no test names and that is not open; an open one that a test names; a requirement that is
+named, in a test or a page beside PAGE, and does not exist, and likewise an assumption; a comment above no test; a row that
+is incomplete; a stale column or count. Prints `file:line: complaint` for each and exits with 1 where there is one.
 """
 
 import argparse
@@ -21,7 +21,8 @@ import sys
 
 SUFFIXES = {".cmake", ".cpp", ".mjs", ".py", ".txt"}
 ID = r"SR-[A-Z]+-\d{2}"
-NAMED = re.compile(r"SR-[A-Z]+-\d+")
+NAMED = re.compile(r"SR-[A-Z]+-\d+|\bA-\d+\b")
+ASSUMPTION = re.compile(r"^\| (A-\d+) \|", re.MULTILINE)
 TAG = re.compile(rf"^\s*(?:///|#) Verifies ({ID}(?:, {ID})*)\.$")
 ATTEMPT = re.compile(r"^\s*(?:///?|#)\s*Verifies:? .*SR-")
 ROW = re.compile(rf"^\| ({ID}) \|(.*)\|$")
@@ -152,6 +153,18 @@ def complaints_of_row(one, cells, tests, seen):
         yield f"{one}: no test names it"
 
 
+def strangers(folder, root, requirements):
+    """Names of requirements and assumptions in the pages of a folder that stand in no table."""
+    pages = {path.relative_to(root).as_posix(): path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
+    known = requirements.union(*(ASSUMPTION.findall(text) for text in pages.values()))
+    for name, text in pages.items():
+        for number, line in enumerate(text.splitlines(), start=1):
+            for one in NAMED.findall(line):
+                if one not in known:
+                    what = "requirement" if one.startswith("SR-") else "assumption"
+                    yield f"{name}:{number}: no such {what}: {one}"
+
+
 def findings(page, root, tests):
     name = page.relative_to(root).as_posix()
     text = page.read_text(encoding="utf-8")
@@ -161,12 +174,9 @@ def findings(page, root, tests):
         found += [f"{name}:{number}: {complaint}" for complaint in complaints_of_row(one, cells, tests, seen)]
         seen.add(one)
     found += [f"{place}: no such requirement: {one}" for one, place in tests.places.items() if one not in seen]
-    for other in sorted(page.parent.glob("*.md")):
-        for number, line in enumerate(other.read_text(encoding="utf-8").splitlines(), start=1):
-            found += [f"{other.relative_to(root).as_posix()}:{number}: no such requirement: {one}"
-                      for one in NAMED.findall(line) if one not in seen]
     if not seen:
         found.append(f"{name}:1: no requirements")
+    found += strangers(page.parent, root, seen)
     if not found and written(page, root, tests) != text:
         found.append(f"{name}:1: stale; run requirements.py {name} --write")
     return found

@@ -81,6 +81,11 @@ class NameInATest(unittest.TestCase):
         files = {"host_tests/stop_test.cpp": TAGGED, "docs/safety/README.md": "see SR-STILL-7\n"}
         self.assertEqual(checked(row(), files)[0], ["docs/safety/README.md:1: no such requirement: SR-STILL-7"])
 
+    def test_of_an_assumption_that_stands_nowhere_is_found(self):
+        files = {"host_tests/stop_test.cpp": TAGGED, "docs/safety/README.md": "see A-1 and A-2\n",
+                 "docs/safety/assumptions.md": "| A-1 | One clock. |\n"}
+        self.assertEqual(checked(row(), files)[0], ["docs/safety/README.md:1: no such assumption: A-2"])
+
 
 class Column(unittest.TestCase):
     def test_that_is_stale_is_found_and_made_anew(self):
