@@ -111,6 +111,7 @@ TYPED_TEST(GyroSamples, OfNoRateAreExactlyZero) {
   }
 }
 
+/// Verifies SR-HEALTH-03.
 TYPED_TEST(GyroSamples, SayWhichAxisIsSaturated) {
   using Chip = typename TypeParam::Gyro;
   for (const auto& settings : TestFixture::kModes) {
@@ -129,6 +130,7 @@ TYPED_TEST(GyroSamples, SayWhichAxisIsSaturated) {
   }
 }
 
+/// Verifies SR-LEARN-18.
 TYPED_TEST(GyroSamples, OfThePowerUpNeverComeOut) {
   for (const auto& settings : TestFixture::kModes) {
     typename TestFixture::Rig rig{settings};
@@ -213,6 +215,7 @@ TYPED_TEST(GyroSamples, ABusErrorIsReportedAndTheNextReadGoesOn) {
   }
 }
 
+/// Verifies SR-IF-16.
 TYPED_TEST(GyroSamples, AStuckLineIsCorruptDataOrNoDataButNeverASample) {
   for (const auto& settings : TestFixture::kModes) {
     for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
@@ -234,6 +237,7 @@ TYPED_TEST(GyroSamples, AStuckLineIsCorruptDataOrNoDataButNeverASample) {
   }
 }
 
+/// Verifies SR-IF-16.
 TYPED_TEST(GyroSamples, LineStuckInAReadGivesNoInventedSample) {
   for (const auto& settings : TestFixture::kModes) {
     for (const auto kind : {Fault::Kind::stuck_high, Fault::Kind::stuck_low}) {
@@ -329,6 +333,7 @@ TYPED_TEST(GyroSamples, AFlippedBitNeverGivesASampleOfTheFuture) {
   }
 }
 
+/// Verifies SR-MEM-01.
 TYPED_TEST(GyroSamples, AreReadWithoutTheHeap) {
   for (const auto& settings : TestFixture::kModes) {
     typename TestFixture::Rig rig{settings};

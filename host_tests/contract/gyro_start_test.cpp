@@ -80,6 +80,7 @@ TYPED_TEST(GyroStart, BringsAForeignConfigurationToItsOwn) {
   }
 }
 
+/// Verifies SR-IF-17.
 TYPED_TEST(GyroStart, RefusesAnotherChip) {
   for (std::uint8_t bit = 0; bit < 8; ++bit) {
     typename TestFixture::Rig rig;
@@ -164,6 +165,7 @@ TYPED_TEST(GyroStart, IsFollowedByVerificationsOfOneRegisterEach) {
   EXPECT_EQ(rig.faults.calls(), before + TypeParam::Gyro::kVerifyTransactions);
 }
 
+/// Verifies SR-IF-17.
 TYPED_TEST(GyroStart, IsFollowedByAWatchOverEveryBitThatWasConfigured) {
   for (const ConfiguredBits& entry : TypeParam::Gyro::kConfigured) {
     for (unsigned bit = 1; bit < 0x100; bit <<= 1U) {

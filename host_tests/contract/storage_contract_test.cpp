@@ -91,6 +91,7 @@ int loaded() {
   return buffer[0];
 }
 
+/// Verifies SR-SNAP-09.
 TEST(FlashStorageWhosePowerIsCut, LosesAtMostTheNewestSave) {
   for (int saves_before = 1; saves_before <= 17; ++saves_before) {
     CutFlash::reset();

@@ -37,6 +37,7 @@ foreach(processor cortex-m7 cortex-m4f cortex-m0plus)
   if(processor STREQUAL "cortex-m0plus")
     list(APPEND targets all_verify_interface_header_sets)
   endif()
+  # Verifies SR-MEM-02.
   build_test(guards.${processor}.images "${images}" REQUIRES images_${processor} TARGETS ${targets})
   set_tests_properties(guards.${processor}.images PROPERTIES
     FIXTURES_SETUP built_${processor})
@@ -51,6 +52,7 @@ foreach(processor cortex-m7 cortex-m4f cortex-m0plus)
     REQUIRES offenders_${processor} TARGETS innocent)
   foreach(offender heap heap_of_its_own exception printing double_arithmetic double_promotion
                    big_stack_frame big_state)
+    # Verifies SR-MEM-02.
     set(test guards.${processor}.${offender}_is_refused)
     build_test(${test} "${offenders}" REQUIRES offenders_${processor} TARGETS ${offender})
     string(REGEX REPLACE "([()*+?])" "\\\\\\1" expected "${offender_${offender}}")

@@ -5,6 +5,7 @@ The number of cases that ./test gives: every case of a program counts, and none 
 The packages by purpose: whoever wants the demonstration installs no browser, cross compiler or emulator.
 The libraries of another architecture: of what was fetched, nothing but the packages that are named is unpacked.
 The maintainer scripts of the Debian package: an upgrade restarts, a purge removes.
+The citation: it has the version of the build.
 """
 
 import pathlib
@@ -227,6 +228,13 @@ class MaintainerScripts(unittest.TestCase):
         self.assertIn("deluser --quiet --system zerorate", self.calls("postrm", "purge"))
         self.assertFalse((self.root / "var/lib/zerorate").exists())
         self.assertFalse((self.root / "etc/zerorate").exists())
+
+
+class Citation(unittest.TestCase):
+    def test_has_the_version_of_the_build(self):
+        built = re.search(r"project\(zerorate VERSION (\S+)", (REPOSITORY / "CMakeLists.txt").read_text(encoding="utf-8"))
+        cited = re.search(r"^version: (\S+)$", (REPOSITORY / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
+        self.assertEqual(cited[1], built[1])
 
 
 if __name__ == "__main__":

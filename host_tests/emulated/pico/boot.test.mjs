@@ -52,6 +52,7 @@ for (const [name, bus, error] of [
   });
 }
 
+/// Verifies SR-TIME-07.
 test('every message leaves within a sample period of its sample', () => {
   const rig = new Rig();
   rig.measureForEver([1, 2, 3]);

@@ -143,6 +143,7 @@ test('an axis at full scale is marked', () => {
   assert.ok(last(rates(rig.frames)).health & SATURATED);
 });
 
+/// Verifies SR-TIME-08.
 test('a main loop that stops is reset by the watchdog, not before two seconds', () => {
   const rig = new Rig();
   rig.measureForEver([1, 2, 3]);

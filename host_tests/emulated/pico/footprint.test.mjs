@@ -17,6 +17,7 @@ test('no figure of footprint.md has grown by more than three per cent', () => {
   }
 });
 
+/// Verifies SR-MEM-04.
 test('the images keep the promises of the project', () => {
   const figures = parse(fs.readFileSync(process.env.PICO_FOOTPRINT, 'utf8'));
   const limits = [{ flash: 60 * 1024, ram: 8 * 1024 }, { flash: 76 * 1024, ram: 24 * 1024 }];
@@ -33,12 +34,14 @@ test('what is written is read back', () => {
 });
 
 for (const name of ['zerorate-pico', 'zerorate-pico-learning']) {
+  /// Verifies SR-MEM-03.
   test(`the bound of the stack is reached, and not exceeded: ${name}`, () => {
     assert.equal(worstStack(name), provenStack(name));
   });
 }
 
 // Its deepest call begins the node anew where a record with a right checksum holds impossible numbers.
+/// Verifies SR-MEM-03.
 test('the bound of the stack holds where the moving average is published', () => {
   const name = 'mutant-moving-average-published';
   assert.ok(worstStack(name) <= provenStack(name));

@@ -51,6 +51,7 @@ test('the end of a stop is saved; the next start goes on with it, less certain b
   assert.deepEqual([status.pulses_lost, status.read_errors], [0, 0]);
 });
 
+/// Verifies SR-SNAP-09.
 test('a power cut at any step of a save leaves the state before it or the new one', () => {
   const first = learnAndDriveOff(100);
   const second = learnAndDriveOff(110, first.state);

@@ -184,10 +184,12 @@ void expect_as_good_as_knowing(const PeerSensor& sensor) {
   }
 }
 
+/// Verifies SR-INT-04.
 TEST(LearningOnPeerSensorA, IsAsGoodAsKnowingItsNoise) {
   expect_as_good_as_knowing(kA);
 }
 
+/// Verifies SR-INT-04.
 TEST(LearningOnPeerSensorB, IsAsGoodAsKnowingItsNoise) {
   expect_as_good_as_knowing(kB);
 }

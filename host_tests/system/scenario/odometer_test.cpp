@@ -28,6 +28,7 @@ double first_disagreement_s(const Played& played, double from_s) {
   return first_s;
 }
 
+/// Verifies SR-LEARN-05, SR-HEALTH-15.
 TEST(SlowTurnWithADeadOdometer, IsReportedIn2sAndNotLearnt) {
   const Played played = play("slow-turn-dead-odometer");
   const double reported_s = first_disagreement_s(played, 0.0);

@@ -153,10 +153,12 @@ void expect_at_the_floor(const PeerSensor& sensor) {
   expect_honest(outcome);
 }
 
+/// Verifies SR-INT-03.
 TEST(PeerSensorA, DriftsNoMoreThanAnyFilterMustAndSaysHowMuch) {
   expect_at_the_floor(kA);
 }
 
+/// Verifies SR-INT-03.
 TEST(PeerSensorB, DriftsNoMoreThanAnyFilterMustAndSaysHowMuch) {
   expect_at_the_floor(kB);
 }

@@ -191,6 +191,7 @@ void expect_honest(const Score& score) {
   EXPECT_LE(score.sigma_deg(), 4.0 * score.rms_deg());
 }
 
+/// Verifies SR-INT-10.
 TEST(CoarseGyro, HoldsItsHeadingIntervalAtAnyNoise) {
   for (const double noise : {0.1, 0.2, 0.5, 1.0}) {
     for (const Steps steps : {Steps::rounded, Steps::lower}) {

@@ -189,6 +189,7 @@ TEST(ResultWithError, GivesTheErrorAndTheFallback) {
   EXPECT_EQ(result.value_or(-1), -1);
 }
 
+/// Verifies SR-MEM-06.
 TEST(ResultWithError, ReadingTheValueIsAProgrammerError) {
   const auto result = half_of_even(7);
   EXPECT_DEATH((void)result.value(), "");

@@ -79,6 +79,7 @@ Batch batch(std::int64_t measurements, std::size_t m, std::size_t axis) {
   return posterior;
 }
 
+/// Verifies SR-LEARN-17.
 TEST(EvidenceOfManyMeasurements, IsThatOfTheConjugatePosterior) {
   constexpr std::int64_t kMeasurements = 40;
   const Three evidence = told(kMeasurements);
@@ -105,6 +106,7 @@ TEST(EvidenceOfManyMeasurements, IsThatOfTheConjugatePosterior) {
   }
 }
 
+/// Verifies SR-LEARN-17.
 TEST(EvidenceOfManyMeasurements, FindsHypothesisAndScales) {
   const Three evidence = told(4000);
   EXPECT_GT(evidence.hypotheses[1][0].weight, 0.99F);
@@ -130,6 +132,7 @@ TEST(EvidenceBeforeAnyMeasurement, IsThePrior) {
   }
 }
 
+/// Verifies SR-INT-12.
 TEST(EvidenceOfAnImpossibleMeasurement, StaysFinite) {
   Three evidence = told(100);
   for (std::size_t m = 0; m < kHypotheses; ++m) {
@@ -170,6 +173,7 @@ class SettledFilter : public ::testing::Test {
   std::normal_distribution<float> normal_;
 };
 
+/// Verifies SR-LEARN-12.
 TEST_F(SettledFilter, RejectsAKnockAndLearnsNothingFromIt) {
   const Prediction before = predicted();
   for (int k = 0; k < 3; ++k) {
@@ -183,6 +187,7 @@ TEST_F(SettledFilter, RejectsAKnockAndLearnsNothingFromIt) {
   EXPECT_LT(predicted().sigma_rad_s(), 1.2F * before.sigma_rad_s());
 }
 
+/// Verifies SR-INT-06.
 TEST_F(SettledFilter, DoubtsMoreAndMoreWhileTheKnockLasts) {
   float last = predicted().sigma_rad_s();
   for (int k = 1; k <= kLongestKnock; ++k) {
@@ -194,6 +199,7 @@ TEST_F(SettledFilter, DoubtsMoreAndMoreWhileTheKnockLasts) {
   EXPECT_GT(filter.predict_heading(modes.over(0), modes.over(20)).sigma_rad(), 890.0F * 10.0F);
 }
 
+/// Verifies SR-LEARN-13.
 TEST_F(SettledFilter, ReacquiresAJumpWhenItHasLastedLongerThanAKnock) {
   for (int k = 0; k < kLongestKnock; ++k) EXPECT_TRUE(feed(normal(400.0F)).rejected);
   EXPECT_TRUE(feed(normal(400.0F)).accepted);
@@ -202,6 +208,7 @@ TEST_F(SettledFilter, ReacquiresAJumpWhenItHasLastedLongerThanAKnock) {
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(feed(normal(400.0F)).rejected);
 }
 
+/// Verifies SR-LEARN-13.
 TEST_F(SettledFilter, IsNotLockedOutByAJumpOfAnySize) {
   for (const float level : {115.0F, 130.0F, 1e4F, -1e6F, 0.0F}) {
     for (int k = 0; k < 3 * kLongestKnock; ++k) feed(normal(level));
@@ -219,6 +226,7 @@ class FreshFilter : public SettledFilter {
   }
 };
 
+/// Verifies SR-LEARN-14.
 TEST_F(FreshFilter, IsConfirmedByASecondOfMeasurementsThatAgree) {
   for (int k = 0; k < 2; ++k) {
     EXPECT_FALSE(filter.state().is_confirmed()) << k;
@@ -227,6 +235,7 @@ TEST_F(FreshFilter, IsConfirmedByASecondOfMeasurementsThatAgree) {
   EXPECT_TRUE(filter.state().is_confirmed());
 }
 
+/// Verifies SR-LEARN-14.
 TEST_F(FreshFilter, BeginsAnewWhereTheSecondMeasurementDisagrees) {
   feed(normal(-700.0F));
   EXPECT_TRUE(feed(normal(100.0F)).first);

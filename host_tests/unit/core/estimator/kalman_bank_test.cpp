@@ -173,6 +173,7 @@ TEST(KalmanBankOfThreeHypotheses, WithAKnownModelGivesTheBitsOfOne) {
             one.predict(base.over(9))[2].variance_rad2_s2);
 }
 
+/// Verifies SR-LEARN-12.
 TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAll) {
   const auto noise = modes();
   const KalmanCoefficients<kShape> coefficients{noise, kGate};
@@ -196,6 +197,7 @@ TEST(KalmanBankWhoseOneAxisIsKnocked, RejectsTheTickForAll) {
   EXPECT_EQ(bank.state().axes[1].rejection_variance, 0.0F);
 }
 
+/// Verifies SR-LEARN-13.
 TEST(KalmanBankWhoseOneAxisJumps, LearnsAnewAfterTheGatesTime) {
   const auto noise = modes();
   const KalmanCoefficients<kShape> coefficients{noise, kGate};

@@ -144,6 +144,7 @@ Disagreement compare(const ModesType& modes, double level, double r, int stop, i
   return worst;
 }
 
+/// Verifies SR-PRED-02.
 TEST(KalmanPredictorOverStopsAndDrives, EqualsADenseFilterTo1e5) {
   const Duration tick = Duration::seconds(1);
   // A bias of 100 flicker units: 0.3 deg/s over 10 deg/h, an ordinary sensor.
@@ -155,6 +156,7 @@ TEST(KalmanPredictorOverStopsAndDrives, EqualsADenseFilterTo1e5) {
   }
 }
 
+/// Verifies SR-PRED-02.
 TEST(KalmanPredictorWithEveryKindOfMode, EqualsADenseDoubleFilter) {
   for (const Start start : {Start::zero, Start::stationary}) {
     const auto worst = compare(mixed_modes(start), 100.0, 2.0, 40, 200, 20'000);
@@ -163,6 +165,7 @@ TEST(KalmanPredictorWithEveryKindOfMode, EqualsADenseDoubleFilter) {
   }
 }
 
+/// Verifies SR-PRED-04.
 TEST(KalmanPredictorHeading, HasTheConditionalVariance) {
   const auto modes = mixed_modes(Start::stationary);
   constexpr int kStop = 30, kLead = 4, kDrive = 90, n = kStop + kLead + kDrive;
@@ -200,6 +203,7 @@ TEST(KalmanPredictorHeading, HasTheConditionalVariance) {
   EXPECT_NEAR(double{heading.variance_rad2} / variance, 1.0, 1e-4);
 }
 
+/// Verifies SR-INT-01.
 TEST(KalmanPredictorBeforeTheFirstMeasurement, HasInfiniteVariance) {
   const auto modes = mixed_modes(Start::stationary);
   const KalmanCoefficients coefficients{modes};
@@ -230,6 +234,7 @@ TEST(KalmanPredictorGivenNonsense, RefusesItAndStaysAsItWas) {
   }
 }
 
+/// Verifies SR-PRED-03.
 TEST(KalmanPredictorThatCrossesOneTickAsAGap, AgreesWithTheStep) {
   const auto modes = mixed_modes(Start::stationary);
   const KalmanCoefficients coefficients{modes};
@@ -268,6 +273,7 @@ TEST(KalmanPredictorRestoredFromItsState, ContinuesBitForBit) {
   EXPECT_EQ(std::memcmp(&uninterrupted.state(), &resumed.state(), sizeof resumed.state()), 0);
 }
 
+/// Verifies SR-INT-02.
 TEST(KalmanPredictorUnderItsOwnModel, HasInnovationsOfVariance1) {
   const Duration tick = Duration::seconds(1);
   const auto modes = compose(tick, Start::stationary, flicker_like<5>(tick, 0.5));

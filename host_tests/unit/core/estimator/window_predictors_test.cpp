@@ -99,6 +99,7 @@ void expect_intervals_of(Start start, Weights weights, double heading_tolerance)
   }
 }
 
+/// Verifies SR-INT-11.
 TEST(CalibrationMean, HasTheIntervalsOfTheExplicitCovariance) {
   expect_intervals_of<CalibrationMean<ModelShape{.decaying = 5, .rotating = 1}>>(
       Start::stationary, mean_weights, 1e-4);
@@ -106,6 +107,7 @@ TEST(CalibrationMean, HasTheIntervalsOfTheExplicitCovariance) {
       Start::zero, mean_weights, 1e-4);
 }
 
+/// Verifies SR-INT-11.
 TEST(MovingAverage, HasTheIntervalsOfTheExplicitCovariance) {
   // The heading's weights are taken block by block: 2 % is what that may cost.
   expect_intervals_of<MovingAverage<ModelShape{.decaying = 5, .rotating = 1}>>(

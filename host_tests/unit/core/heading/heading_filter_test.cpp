@@ -101,6 +101,7 @@ TEST(HeadingFilter, IsLeastSquaresOverAllReferences) {
   EXPECT_NEAR(double{filter.bias_in_motion_rad_s()}, expected[2] + expected[3], 0.5 * bias_sigma);
 }
 
+/// Verifies SR-HEAD-06.
 TEST(HeadingFilter, LearnsNothingOfTheScaleFactorOnAStraightRoad) {
   HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
@@ -113,6 +114,7 @@ TEST(HeadingFilter, LearnsNothingOfTheScaleFactorOnAStraightRoad) {
   EXPECT_NEAR(filter.quality(), 0.0F, 1e-3F);
 }
 
+/// Verifies SR-HEAD-06.
 TEST(HeadingFilter, LearnsTheScaleFactorFromTenTurns) {
   HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
@@ -157,6 +159,7 @@ TEST(HeadingFilter, TakesOneReferenceOfAStop) {
   EXPECT_EQ(filter.take_heading(0.0F, 0.1F * kVariance, {}), Verdict::learnt) << "a better one";
 }
 
+/// Verifies SR-HEAD-08.
 TEST(HeadingFilter, LearnsNothingWhileItsSourceMayBeAligning) {
   HeadingFilter filter{kParams};
   filter.depart(kBiasVariance);
@@ -210,12 +213,14 @@ HeadingFilter driven(Wrong wrong) {
   return filter;
 }
 
+/// Verifies SR-HEAD-07.
 TEST(HeadingFilter, NeverLearnsFromReferencesOfTheOtherSense) {
   const HeadingFilter filter = driven([](std::size_t, float heading) { return -heading; });
   EXPECT_TRUE(filter.disagrees());
   EXPECT_LT(std::abs(filter.scale_factor()), 2.0F * kParams.scale_factor);
 }
 
+/// Verifies SR-HEAD-07.
 TEST(HeadingFilter, BeginsAnewAfterAJumpAndLearnsNothingFromIt) {
   const HeadingFilter filter =
       driven([](std::size_t k, float heading) { return heading + (k < 600 ? 0.0F : 0.6F); });
@@ -298,6 +303,7 @@ TEST(HeadingFilter, IsLessSureAtAnotherTemperature) {
   EXPECT_NEAR(growth_at(filter, {0.0F}), 0.0F, 0.01F * kOfTenK) << "no thermometer";
 }
 
+/// Verifies SR-SNAP-10.
 TEST(LearntMotion, IsRefusedWhereItIsImpossible) {
   const LearntMotion learnt =
       driven([](std::size_t, float heading) { return heading; }).state().learnt();

@@ -57,6 +57,7 @@ struct Vehicle {
   std::uint32_t measured_ticks = 1;
 };
 
+/// Verifies SR-HEAD-01.
 TEST(TurnSum, IsTheIntegralSinceDeparture) {
   Vehicle vehicle{kPerfect};
   vehicle.run(20.0, 0.0F, false);
@@ -68,6 +69,7 @@ TEST(TurnSum, IsTheIntegralSinceDeparture) {
   EXPECT_LE(vehicle.sum.duration(), Duration::seconds(18) + kWindow * 2 + Duration::seconds(2));
 }
 
+/// Verifies SR-HEAD-01.
 TEST(TurnSum, LosesNothingInAnHourAtAKilohertz) {
   Vehicle vehicle{kPerfect, Duration::milliseconds(1)};
   const random::RandomStream noise{5, 0};
@@ -84,6 +86,7 @@ TEST(TurnSum, LosesNothingInAnHourAtAKilohertz) {
   EXPECT_NEAR(double{vehicle.sum.angle(0).in(rad)} / turn_rad, 1.0, 2e-7);
 }
 
+/// Verifies SR-HEAD-02.
 TEST(TurnSum, BeginsBeforeTheMotionWasNoticed) {
   Vehicle vehicle{kPerfect};
   vehicle.run(20.0, 0.0F, false);
@@ -113,6 +116,7 @@ TEST(TurnSum, GoesOnOverAStopThatNothingWasLearntFrom) {
   EXPECT_NEAR(vehicle.angle_deg(), 120.0, 0.3);
 }
 
+/// Verifies SR-HEAD-03.
 TEST(TurnSum, HasTheErrorOfTheScaleFactorAndOfTheAsymmetry) {
   constexpr MotionModel kModel{.scale_factor = 0.01F, .asymmetry = 0.002F};
   Vehicle vehicle{kModel};
@@ -122,6 +126,7 @@ TEST(TurnSum, HasTheErrorOfTheScaleFactorAndOfTheAsymmetry) {
   EXPECT_NEAR(vehicle.sigma_deg(), std::hypot(0.01 * 90.0, 0.002 * 270.0), 0.01);
 }
 
+/// Verifies SR-HEAD-03.
 TEST(TurnSum, HasTheErrorOfTheWhiteNoise) {
   Vehicle vehicle{kPerfect};
   vehicle.white_variance = 0.01F * kDeg * kDeg;  // 0.1 deg/s a sample: 0.01 deg/s/sqrt(Hz)
@@ -131,6 +136,7 @@ TEST(TurnSum, HasTheErrorOfTheWhiteNoise) {
   EXPECT_NEAR(vehicle.sigma_deg(), 0.01 * std::sqrt(length_s), 0.002);
 }
 
+/// Verifies SR-HEAD-03.
 TEST(TurnSum, GrowsByTheErrorOfTheBias) {
   Vehicle vehicle{kPerfect};
   vehicle.bias_sigma = 0.01F * kDeg;
@@ -143,6 +149,7 @@ TEST(TurnSum, GrowsByTheErrorOfTheBias) {
   EXPECT_NEAR(vehicle.sigma_deg(), 0.6, 1e-3);
 }
 
+/// Verifies SR-HEAD-04.
 TEST(TurnSum, HasTheErrorOfAGapInATurn) {
   Vehicle vehicle{kPerfect};
   vehicle.run(20.0, 0.0F, false);
@@ -154,6 +161,7 @@ TEST(TurnSum, HasTheErrorOfAGapInATurn) {
   EXPECT_GT(vehicle.sum.sigma(0, 0.0F, Duration::seconds(3)).in(deg), 25.0F);
 }
 
+/// Verifies SR-HEAD-05.
 TEST(TurnSum, IsUnknownAfterFullScaleUntilTheNextDeparture) {
   Vehicle vehicle{kPerfect};
   vehicle.run(20.0, 0.0F, false);
@@ -167,6 +175,7 @@ TEST(TurnSum, IsUnknownAfterFullScaleUntilTheNextDeparture) {
   EXPECT_TRUE(std::isfinite(vehicle.sigma_deg()));
 }
 
+/// Verifies SR-HEAD-05.
 TEST(TurnSum, IsUnknownBeforeTheFirstDeparture) {
   Vehicle vehicle{kPerfect};
   vehicle.measured_ticks = 0;

@@ -55,6 +55,7 @@ TEST(InputTrackOfALaggingElement, FollowsItsStepResponse) {
   EXPECT_NEAR(double{track.tick().weights[0]}, 10.0 * (1.0 - std::exp(-2.0)), 1e-4);
 }
 
+/// Verifies SR-INT-07.
 TEST(InputTrackWithoutReadings, KeepsTheLastFor5Seconds) {
   Track track{kTerms, kTick};
   const auto lost = [](std::int64_t ms) { return ms < 2'000 ? 30.0F : kNan; };
@@ -173,6 +174,7 @@ TEST(InputTrackWithForces, SumsTheirChangesOverADrive) {
   EXPECT_TRUE(lead.inputs.is_known());
 }
 
+/// Verifies SR-INT-07.
 TEST(InputTrackWithoutForces, WidensByWhatAnAttitudeMayBe) {
   MovingTrack track{kForceAndVibration, kTick};
   run_with_force(track, 0, 1'000, [](std::int64_t) { return 0.3F; });

@@ -37,12 +37,14 @@ TEST(InnovationMonitor, TrustsAModelThatIsRight) {
   EXPECT_TRUE(after(20'000, 1.0F).is_consistent());
 }
 
+/// Verifies SR-HEALTH-04.
 TEST(InnovationMonitor, NoticesALouderOrQuieterSensor) {
   EXPECT_FALSE(after(2'000, 1.4F).is_consistent());
   EXPECT_FALSE(after(2'000, 0.6F).is_consistent());
 }
 
 /// Boost's chi-squared quantile at five standard deviations of a normal, either side.
+/// Verifies SR-HEALTH-04.
 TEST(InnovationMonitorOfFewInnovations, JudgesByChiSquared) {
   const double tail = 2.866515719e-7;
   for (const int n : {1, 2, 4, 16, 64, 256}) {
@@ -72,6 +74,7 @@ TEST(InnovationMonitorAfterAKnock, SpeaksAtOnceAndForgetsIt) {
 }
 
 // Learnt errors stay as long in seconds, however quickly the filter forgets its innovations.
+/// Verifies SR-HEALTH-04.
 TEST(InnovationMonitorOfAFastFilter, ReportsForTwoMinutes) {
   for (const int filter_hz : {2, 10, 50, 100}) {
     InnovationMonitor monitor{Duration::milliseconds(1000 / filter_hz)};

@@ -48,6 +48,7 @@ TEST(OdometerCheckAtALargeBias, AcceptsItsLevel) {
   EXPECT_FALSE(check.disagrees());
 }
 
+/// Verifies SR-HEALTH-15.
 TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATick) {
   Check check = make_check();
   stand(check, kBias, 120);
@@ -65,6 +66,7 @@ TEST(OdometerCheckWithoutPulses, FollowsWhatChangesSlowly) {
   }
 }
 
+/// Verifies SR-LEARN-05.
 TEST(OdometerCheckWithoutPulses, AcceptsAJumpAfterTwoMinutes) {
   Check check = make_check();
   stand(check, kBias, 100);
@@ -102,6 +104,7 @@ TEST(OdometerCheckThatAcceptedATurn, ReturnsToTheLevelOfBefore) {
   EXPECT_EQ(ticks_until(check, kBias, false, &learnt), 2);
 }
 
+/// Verifies SR-LEARN-05.
 TEST(OdometerCheckWithoutPulses, BelievesNothingThatGoesOnChanging) {
   Check check = make_check();
   stand(check, kBias, 20);
@@ -131,6 +134,7 @@ TEST(OdometerCheckAtTheStartOfAStop, WaitsAtAFarRate) {
 }
 
 // Twice five standard deviations of the prediction: 16 times five seconds.
+/// Verifies SR-LEARN-07.
 TEST(OdometerCheckAtTheStartOfAStop, WaitsTheLongerTheLessLikely) {
   constexpr float kSigma = 0.13F * kRadPerDeg;
   Check check = make_check();
@@ -161,6 +165,7 @@ Check doubting_at_departure() {
   return check;
 }
 
+/// Verifies SR-HEALTH-19.
 TEST(OdometerCheckInDoubt, AgreesOnceAStopConfirmsTheBias) {
   Check check = doubting_at_departure();
   EXPECT_TRUE(disagrees_in_a_drive(check));
@@ -170,6 +175,7 @@ TEST(OdometerCheckInDoubt, AgreesOnceAStopConfirmsTheBias) {
   EXPECT_FALSE(check.disagrees());
 }
 
+/// Verifies SR-LEARN-06.
 TEST(OdometerCheckInDoubt, AddsUpTheStopsThatAgree) {
   Check check = doubting_at_departure();
   int stops = 0;
@@ -208,6 +214,7 @@ TEST(OdometerCheckGivenAFarLevel, DoubtsItAtDeparture) {
 }
 
 // The wire breaks in a bend before anything has been learnt.
+/// Verifies SR-LEARN-07.
 TEST(OdometerCheckAtTheStartOfAStop, ComparesWithTheStopBefore) {
   Check check = make_check();
   stand(check, kBias, 4);
@@ -227,6 +234,7 @@ TEST(OdometerCheckGivenAPulse, TakesTheTurnForADrive) {
   EXPECT_FALSE(check.disagrees());
 }
 
+/// Verifies SR-HEALTH-16.
 TEST(OdometerCheckGivenPulsesAtRest, SaysSoAfterTwoMinutes) {
   Check check = make_check();
   for (int tick = 0; tick <= 240; ++tick) {
@@ -246,6 +254,7 @@ TEST(OdometerCheckGivenPulsesAtRest, IsSilentIfSwitchedOff) {
   EXPECT_FALSE(check.disagrees());
 }
 
+/// Verifies SR-HEALTH-17.
 TEST(OdometerCheckGivenABounce, SaysSoForTwoSeconds) {
   Check check = make_check();
   stand(check, kBias, 3);
@@ -339,8 +348,7 @@ TEST(OdometerCheckWhoseTickIsLongerThanABend, AcceptsTwoTicks) {
 }
 
 TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
-  // Noise of a sample: against a level of 10 s, 6 sigma are 0.58 deg/s after half a second and 0.31
-  // deg/s after two.
+  // Noise of a sample. Against a level of 10 s, 6 sigma are 0.58 deg/s after 0.5 s, 0.31 after 2 s.
   constexpr float kLoud = 0.67F * kRadPerDeg;
   Check check{{}, kTick, kSamplePeriod, kLoud * kLoud};
   stand(check, kBias, 20);
@@ -351,9 +359,8 @@ TEST(OdometerCheckOfALoudSensor, AllowsForItsNoise) {
   EXPECT_EQ(ticks_until(other, turning(1.5F), true), 1);
 }
 
-// The level of a stop that has just begun rests on half a second, and is as noisy as that: a sensor
-// at rest must not turn against it. Stops of 20 s of an ADIS16405 at 10 Hz; at six standard
-// deviations one window in 10^8 does.
+// The level of a stop that has just begun is as noisy as half a second. Stops of 20 s of an
+// ADIS16405 at 10 Hz; at six standard deviations one window in 10^8 turns against it.
 TEST(OdometerCheckOfALoudSensor, IsSilentInStopsAtRest) {
   constexpr float kLoud = 0.129F * kRadPerDeg;
   constexpr std::uint32_t kOfTick = 5;

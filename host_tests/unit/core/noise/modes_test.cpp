@@ -62,6 +62,7 @@ void expect_equal(const ModeTransition<Scalar>& span, const SteppedMode& oracle,
   near(double{span.sum_variance}, oracle.sum_variance, "sum variance");
 }
 
+/// Verifies SR-PRED-03.
 TEST(TransitionOverAGap, EqualsSteppingForEveryBlock) {
   const auto modes = every_block();
   SteppedMode level{1.0, double{modes.walk_variance}};

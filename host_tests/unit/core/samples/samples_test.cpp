@@ -193,6 +193,7 @@ TEST(TickAverage, MeansTheSamplesOfEachTick) {
   EXPECT_EQ(means[1].end, Instant{} + kSample * 19);
 }
 
+/// Verifies SR-TIME-01.
 TEST(TickAverageWithJitter, StillGivesEverySampleItsTick) {
   std::mt19937 random(9);
   std::uniform_int_distribution<std::int64_t> jitter_ns(-4'900'000, 4'900'000);
@@ -289,6 +290,7 @@ TEST(RoundingWatchOfNoiseBeyondAStep, AddsNothing) {
   EXPECT_EQ(watch_of_rest({}, 1.0F, 0.3F, 1.0F).variance_rad2_s2(0), 0.0F);
 }
 // The mean of the samples is 0.0228, that of the rate 0.3.
+/// Verifies SR-INT-10.
 TEST(RoundingWatchOfLittleNoise, CoversTheErrorUnderAnyModel) {
   for (const float white : {0.01F, 0.04F, 1.0F}) {
     const float sigma = std::sqrt(watch_of_rest({}, white, 0.3F, 0.1F).variance_rad2_s2(0));

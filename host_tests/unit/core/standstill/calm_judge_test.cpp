@@ -82,6 +82,7 @@ TEST(CalmJudgeOfWhiteNoise, FindsNoMotion) {
 
 // A mean of 64 spreads, which overlap: some 64 x 3 x 2 x 0.64 degrees of freedom, so that sigma is
 // known within 1 / sqrt(2 x 245), 4.5 %; allowed are four of these.
+/// Verifies SR-LEARN-16.
 TEST(CalmJudgeOfWhiteNoise, LearnsItsStrengthWhateverTheModelSays) {
   for (const float model_sigma_dps : {0.005F, 0.05F, 0.5F}) {
     Stop stop{5, model_sigma_dps};
@@ -104,6 +105,7 @@ TEST(CalmJudgeWithThreeWindows, EstimatesTheWhiteVariance) {
   EXPECT_NEAR(double{stop.white.shown_rad2_s2()}, expected, 1e-5 * expected);
 }
 
+/// Verifies SR-STILL-10.
 TEST(CalmJudgeOfARotation, SpoilsTheWindowsAtItsBeginAndEnd) {
   Stop stop{5};
   stop.calm_of(40);
@@ -115,6 +117,7 @@ TEST(CalmJudgeOfARotation, SpoilsTheWindowsAtItsBeginAndEnd) {
   for (const std::size_t k : {3U, 8U, 13U, 19U}) EXPECT_EQ(verdicts[k], Calm::calm) << k;
 }
 
+/// Verifies SR-STILL-10.
 TEST(CalmJudgeOfARotationOnOneAxisOnly, SeesItToo) {
   Stop stop{5};
   stop.sigma_dps = 0.0;
@@ -175,6 +178,7 @@ TEST(CalmJudgeOfANoiseThatRises, AcceptsItWithinBoundedTime) {
   EXPECT_GE(stop.calm_of(100), 97);
 }
 
+/// Verifies SR-LEARN-15.
 TEST(CalmJudgeOfASteadyRateFarFromThePrediction, AcceptsItInTime) {
   Stop stop{5};
   const Rates predicted{};
@@ -202,6 +206,7 @@ TEST(CalmJudgeOfTicksThatDoNotFollowEachOther, RestartsWindows) {
   EXPECT_EQ(stop.calm_of(10, [](double) { return 5.0; }), 10);
 }
 
+/// Verifies SR-HEALTH-20.
 TEST(CalmJudgeOfStops, ReportsADeadBandAfterThreeWithMotion) {
   Stop stop{5};
   stop.calm_of(40);
@@ -245,6 +250,7 @@ TEST(CalmJudgeRestored, GoesOnBitForBit) {
 }
 
 // Without an odometer nine tenths of the time may be motion.
+/// Verifies SR-STILL-11.
 TEST(CalmJudgeAlone, FindsTheStopsOfADrive) {
   Stop stop{5, 0.1F, StandstillSource::gyro};
   stop.sigma_dps = 0.02;

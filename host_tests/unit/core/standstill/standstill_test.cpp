@@ -17,6 +17,7 @@ constexpr Instant at_ms(std::int64_t ms) {
 constexpr Standstill::Params kParams{.settle = Duration::milliseconds(1000),
                                      .hold_back = Duration::milliseconds(500)};
 
+/// Verifies SR-STILL-01.
 TEST(StandstillAtPowerUp, WaitsForTheSettleTime) {
   Standstill standstill{kParams};
   EXPECT_FALSE(standstill.is_settled(at_ms(0)));
@@ -26,6 +27,7 @@ TEST(StandstillAtPowerUp, WaitsForTheSettleTime) {
   EXPECT_EQ(standstill.motion(at_ms(1500)), Motion::still);
 }
 
+/// Verifies SR-STILL-01.
 TEST(StandstillAfterAPulse, CountsFromThatPulse) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));
@@ -36,6 +38,7 @@ TEST(StandstillAfterAPulse, CountsFromThatPulse) {
   EXPECT_EQ(standstill.discard_after(at_ms(5000)), at_ms(4500));
 }
 
+/// Verifies SR-STILL-02.
 TEST(StandstillGivenALatePulse, KeepsTheNewest) {
   Standstill standstill{kParams};
   standstill.pulse(at_ms(5000));
@@ -44,6 +47,7 @@ TEST(StandstillGivenALatePulse, KeepsTheNewest) {
 }
 
 // The silence between two pulses of a creeping vehicle is longer than the settle time.
+/// Verifies SR-STILL-03.
 TEST(StandstillWhileCreeping, WaitsForTwiceTheLastSilence) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));
@@ -58,6 +62,7 @@ TEST(StandstillWhileCreeping, WaitsForTwiceTheLastSilence) {
 }
 
 /// Each pulse of a creeping vehicle comes three times, 2 ms apart.
+/// Verifies SR-STILL-04.
 TEST(StandstillWithABouncingContact, WaitsAsLongAsWithoutIt) {
   for (const int bounce_ms : {1, 2, 10}) {
     Standstill standstill{kParams};
@@ -79,6 +84,7 @@ TEST(StandstillAfterAFastDrive, NeedsNoMoreThanTheSettleTime) {
   EXPECT_TRUE(standstill.is_settled(at_ms(62'000)));
 }
 
+/// Verifies SR-STILL-03.
 TEST(StandstillAfterASinglePulseOfALongStop, WaitsForCreeping) {
   Standstill standstill{kParams};
   standstill.start(at_ms(0));
@@ -117,6 +123,7 @@ TEST(HoldBackLine, ConfirmsInOrderWhatIsOldEnough) {
   EXPECT_EQ(line.size(), 1U);
 }
 
+/// Verifies SR-LEARN-03.
 TEST(HoldBackLine, DiscardsOnlyWhatMayBelongToTheDrive) {
   HoldBackLine<Item, 8> line;
   for (int i = 0; i < 8; ++i) line.push({i, at_ms(100 * i)});
@@ -145,6 +152,7 @@ TEST(HoldBackLine, IsEmptyAfterDiscardingWhatIsHeld) {
   EXPECT_EQ(line.size(), 0U);
 }
 
+/// Verifies SR-MEM-06.
 TEST(HoldBackLineOverflow, IsAProgrammerError) {
   HoldBackLine<Item, 1> line;
   line.push({});
@@ -160,11 +168,13 @@ TEST(OdometerOfWhichNothingIsKnown, ChangesNothing) {
   EXPECT_EQ(params.slowest, kPlain.slowest);
 }
 
+/// Verifies SR-STILL-09.
 TEST(OdometerThatIsLate, HoldsBackLonger) {
   const auto params = adapted_to({.latency = Duration::milliseconds(100)}, kPlain);
   EXPECT_EQ(params.hold_back, kPlain.hold_back + Duration::milliseconds(100));
 }
 
+/// Verifies SR-STILL-09.
 TEST(OdometerWithADeadBand, HoldsBackForAGentleStart) {
   const auto params = adapted_to({.dead_band_mps = 0.75F}, kPlain);
   EXPECT_EQ(params.hold_back, kPlain.hold_back + Duration::milliseconds(750));

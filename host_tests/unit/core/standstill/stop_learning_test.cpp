@@ -76,6 +76,7 @@ TEST(StopLearningAtAStop, ReleasesEachTickAfterTheHoldBack) {
   EXPECT_EQ(vehicle.learning.motion(), Motion::still);
 }
 
+/// Verifies SR-LEARN-03.
 TEST(StopLearningAtAPulse, ReleasesCertainTicksDropsOthers) {
   Vehicle vehicle;
   vehicle.samples(0, 3'000);
@@ -96,6 +97,7 @@ TEST(StopLearningAtAPulse, ReleasesCertainTicksDropsOthers) {
   EXPECT_EQ(stops, 2U);
 }
 
+/// Verifies SR-STILL-05.
 TEST(StopLearningWithoutTheOdometer, DropsAllThatIsHeld) {
   Vehicle vehicle;
   vehicle.samples(0, 3'000);
@@ -119,6 +121,7 @@ TEST(StopLearningOnATurnWithoutPulses, DropsAllAndIsNeverStill) {
 }
 
 // From 4 s to 5 s the vehicle rolls and turns, slowly enough for the odometer check.
+/// Verifies SR-STILL-10.
 TEST(StopLearningOnMotionInsideAStop, LearnsBeforeAndAfterIt) {
   Vehicle vehicle;
   for (std::int64_t ms = 0; ms < 12'000; ms += 10) {
@@ -137,6 +140,7 @@ TEST(StopLearningOnMotionInsideAStop, LearnsBeforeAndAfterIt) {
   EXPECT_FALSE(vehicle.learning.odometer_disagrees());
 }
 
+/// Verifies SR-STILL-11.
 TEST(StopLearningWithoutAnOdometer, IsMovingWhileTheGyroIsNotCalm) {
   Vehicle vehicle{.learning = {kGyroAlone, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F}};
   std::int64_t ms = 0;

@@ -35,6 +35,7 @@ TEST(NodeLoopWithAFrozenAxis, PublishesNoRateUntilItMeasuresAgain) {
 }
 
 /// Stands for a second reader, or for edges of the wrong kind.
+/// Verifies SR-HEALTH-21.
 TEST(NodeLoopThatGetsHalfOfTheSamples, FlagsTheRateUntilAllCome) {
   LoopRig rig;
   rig.start();
@@ -51,6 +52,7 @@ TEST(NodeLoopThatGetsHalfOfTheSamples, FlagsTheRateUntilAllCome) {
   EXPECT_FALSE(rig.published.messages.back().health.sample_rate_off);
 }
 
+/// Verifies SR-HEALTH-21.
 TEST(NodeLoopWhoseChipRunsAtAnotherRate, FlagsTwiceTheSamples) {
   LoopRig rig{{.mode = drivers::lsm6dso::Mode::fifo}};
   rig.start();
@@ -73,6 +75,7 @@ TEST(NodeLoopWhoseChipRunsAtAnotherRate, FlagsTwiceTheSamples) {
 }
 
 /// The chip answers, and its data-ready flag never rises: its oscillator stands still.
+/// Verifies SR-HEALTH-08.
 TEST(NodeLoopWhoseChipMeasuresNothing, StartsItAgainAndSaysWhy) {
   for (const auto mode : {drivers::lsm6dso::Mode::data_ready, drivers::lsm6dso::Mode::fifo}) {
     LoopRig rig{{.mode = mode}};
@@ -123,6 +126,7 @@ struct TurnOnRig : LoopRig {
   }
 };
 
+/// Verifies SR-INT-08.
 TEST(NodeLoopWhoseChipLostItsPower, WidensTheInterval) {
   TurnOnRig rig;
   ASSERT_LT(sigma_of(rig), 1e-4F);
@@ -140,6 +144,7 @@ TEST(NodeLoopWhoseChipLostItsPower, WidensTheInterval) {
 }
 
 /// The supply fails together with the bus, so that the loss shows only when the chip answers again.
+/// Verifies SR-INT-08.
 TEST(NodeLoopWhoseChipLostItsPower, FindsItBehindAFailureOfTheBus) {
   TurnOnRig rig;
   rig.break_bus(hal::testing::Fault::kForEver);
@@ -162,6 +167,7 @@ TEST(NodeLoopAfterAFailureOfTheBusAlone, KeepsTheInterval) {
   EXPECT_LT(sigma_of(rig), 1e-4F);
 }
 
+/// Verifies SR-INT-08.
 TEST(NodeLoopWhoseModelKnowsNoTurnOn, TakesTheLargestBiasOfTheChip) {
   LoopRig rig;
   rig.params.model.largest_bias_rad_s = 0.05F;
@@ -173,6 +179,7 @@ TEST(NodeLoopWhoseModelKnowsNoTurnOn, TakesTheLargestBiasOfTheChip) {
 }
 
 /// A drive of eight hours that nobody saw: the clock of the samples stands still meanwhile.
+/// Verifies SR-INT-09.
 TEST(NodeLoopOnAMachineThatSlept, AgesTheBiasByThatTime) {
   const auto sigma_after = [](Duration slept, bool has_lost_power) {
     TurnOnRig rig;

@@ -77,6 +77,7 @@ RateMessage warming_step(WarmNode& node, std::int64_t ms) {
   return node.step(warming_sample(ms));
 }
 
+/// Verifies SR-PRED-05.
 TEST(GyroNodeThatFollowsTheTemperature, LearnsTheSlopeAcrossStops) {
   const auto params = warm_params();
   WarmNode node{params};
@@ -102,6 +103,7 @@ TEST(GyroNodeThatFollowsTheTemperature, RestoredGoesOnBitForBit) {
   expect_to_go_on_bit_for_bit<WarmNode>(warm_params(), warming_step);
 }
 
+/// Verifies SR-INT-07, SR-HEALTH-14.
 TEST(GyroNodeWhoseThermometerFallsSilent, ReportsAndWidens) {
   const auto params = warm_params();
   WarmNode node{params};
@@ -151,6 +153,7 @@ TEST(GyroNodeThatFollowsTheForce, RestoredGoesOnBitForBit) {
   expect_to_go_on_bit_for_bit<LeaningNode>(leaning_params(), leaning_step);
 }
 
+/// Verifies SR-HEALTH-14.
 TEST(GyroNodeWhoseAccelerometerFallsSilent, ReportsAfterASecond) {
   const auto params = leaning_params();
   LeaningNode node{params};
@@ -189,6 +192,7 @@ core::GyroSample sometimes_wild_sample(std::int64_t ms) {
   return sample;
 }
 
+/// Verifies SR-HEALTH-13.
 TEST(GyroNodeThatScreensSamples, LearnsNothingFromWildOnes) {
   const auto params = screening_params();
   ScreeningNode node{params};
@@ -261,6 +265,7 @@ TEST(GyroNodeOfASensorWithOneAxis, FollowsTheNoiseOfThatAxis) {
   EXPECT_NEAR(three.state().ticks.white.track.level, 1.0F, 0.2F);
 }
 
+/// Verifies SR-HEALTH-03.
 TEST(GyroNodeThatKnowsItsRange, SaysWhenASampleIsAtItsEnd) {
   auto params = node_params();
   params.model.samples.range = {.lower_rad_s = -1.0F, .upper_rad_s = 1.0F};

@@ -52,6 +52,7 @@ std::vector<Refused> refused_samples() {
           {"beyond the counter", sample_at(at_ms(1'000'000'000'000), kBias), no_time}};
 }
 
+/// Verifies SR-LEARN-10, SR-HEALTH-01, SR-HEALTH-02.
 TEST(GyroNodeGivenABadSample, RefusesItFlagsItAndStaysAsItWas) {
   const auto params = node_params();
   for (const Refused& refused : refused_samples()) {
@@ -66,6 +67,7 @@ TEST(GyroNodeGivenABadSample, RefusesItFlagsItAndStaysAsItWas) {
   }
 }
 
+/// Verifies SR-LEARN-10.
 TEST(GyroNodeGivenBadSamplesInBetween, GoesOnAsIfTheyHadNotBeen) {
   const auto params = node_params();
   Node disturbed{params};
@@ -84,6 +86,7 @@ RateMessage at_step(Node& node, std::int64_t ms) {
   return node.step(noisy_sample(at_ms(ms), kBias + (moves ? 0.2F : 0.0F)));
 }
 
+/// Verifies SR-SNAP-01.
 TEST(GyroNodeRestoredFromItsState, EqualsTheUninterruptedRun) {
   const auto params = node_params();
   // In the settle time, in a stop, in a hold-back, at a tick's edge, in a drive, in the next stop.
@@ -111,6 +114,7 @@ TEST(GyroNodeRestoredBetweenPulseAndSample, EqualsTheFullRun) {
   expect_same(whole.state(), second.state());
 }
 
+/// Verifies SR-PRED-10.
 TEST(GyroNodeFedTwiceWithTheSame, SaysTheSameTwice) {
   const auto params = node_params();
   Node one{params};
@@ -119,6 +123,7 @@ TEST(GyroNodeFedTwiceWithTheSame, SaysTheSameTwice) {
   expect_same(one.state(), two.state());
 }
 
+/// Verifies SR-MEM-01.
 TEST(GyroNodeOverAWholeDrive, NeverAllocates) {
   const auto params = node_params();
   Node node{params};
@@ -164,6 +169,7 @@ TEST(GyroNodeParams, AreCheckedOneByOne) {
             ParamsError::hold_back_too_long);
 }
 
+/// Verifies SR-TIME-04.
 TEST(GyroNodeWithTheLongestHoldBack, NeverOverfillsItsLine) {
   auto params = node_params();
   params.standstill.hold_back = Duration::nanoseconds((params.model.modes.tick * 61).ns() - 1);

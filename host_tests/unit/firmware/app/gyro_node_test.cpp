@@ -44,6 +44,7 @@ TEST(GyroNodeAtTheFirstPulse, KeepsTheMeanOfTheWholeStop) {
   }
 }
 
+/// Verifies SR-PRED-01.
 TEST(GyroNodeAfterAStop, HasTheSensorsBiasAndTakesItOffTheRate) {
   const auto params = node_params();
   Node node{params};
@@ -66,6 +67,7 @@ TEST(GyroNodeAfterAStop, HasTheSensorsBiasAndTakesItOffTheRate) {
   }
 }
 
+/// Verifies SR-PRED-06.
 TEST(GyroNodeThatKnowsItsLatitude, RemovesTheEarthsRotation) {
   const auto params = node_params();
   auto params_at_60 = params;
@@ -96,6 +98,7 @@ TEST(GyroNodeThatKnowsItsLatitude, RemovesTheEarthsRotation) {
   }
 }
 
+/// Verifies SR-LEARN-01.
 TEST(GyroNodeOnTheMove, LearnsNothing) {
   const auto params = node_params();
   Node node{params};
@@ -115,6 +118,7 @@ TEST(GyroNodeOnTheMove, LearnsNothing) {
   }
 }
 
+/// Verifies SR-LEARN-02.
 TEST(GyroNodeInTheSettleTime, LearnsNothingOfTheRocking) {
   const auto params = node_params();
   Node rocking{params};
@@ -131,6 +135,7 @@ TEST(GyroNodeInTheSettleTime, LearnsNothingOfTheRocking) {
   expect_same(learnt(rocking.state()), learnt(quiet.state()));
 }
 
+/// Verifies SR-LEARN-03.
 TEST(GyroNodeBeforeTheFirstPulse, DiscardsATurnInProgress) {
   const auto params = node_params();
   Node turning{params};
@@ -164,6 +169,7 @@ TEST(GyroNodeBeforeTheFirstPulse, NeedsTheHoldBackForIt) {
   }
 }
 
+/// Verifies SR-LEARN-04, SR-HEALTH-06.
 TEST(GyroNodeWithLostPulses, ForgetsAllThatIsHeldAndSaysSoOnce) {
   const auto params = node_params();
   Node node{params};
@@ -191,6 +197,7 @@ TEST(GyroNodeAtPowerUp, LearnsNothingOfTenWildSamples) {
   expect_same(learnt(wild.state()), learnt(tame.state()));
 }
 
+/// Verifies SR-INT-05, SR-HEALTH-22.
 TEST(GyroNodeAfterAGapOfAnHour, KeepsItsBiasLessCertainly) {
   const auto params = node_params();
   Node node{params};
@@ -225,6 +232,7 @@ TEST(GyroNodeWithABiasOfTwelveDegreesPerSecond, IsExact) {
   }
 }
 
+/// Verifies SR-TIME-01.
 TEST(GyroNodeWhoseSensorIsTwoPercentOff, CountsTimeByTheStamps) {
   const auto params = node_params();
   for (const std::int64_t period_us : {9'800, 10'200}) {
@@ -259,6 +267,7 @@ TEST(GyroNodeWithDroppedSamples, WeighsTicksByWhatTheyHold) {
   EXPECT_NEAR(bias_of(thin, Predictor::kalman), kBias, 5.0F * kWhiteSigmaRadS / std::sqrt(2900.F));
 }
 
+/// Verifies SR-HEALTH-13.
 TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
   auto params = node_params();
   params.model.gate = {.threshold_sigma = 3.6F, .longest_knock_ticks = 50};
@@ -272,6 +281,7 @@ TEST(GyroNodeWithAGate, SaysThatItDoubtsAMeasurementUntilOneAgrees) {
   EXPECT_FALSE(stand(node, 11'200, 13'000).back().health.measurement_rejected);
 }
 
+/// Verifies SR-LEARN-09, SR-HEALTH-03.
 TEST(GyroNodeWithASaturatedSample, PublishesItWithAFlag) {
   const auto params = node_params();
   Node node{params};
@@ -294,6 +304,7 @@ TEST(GyroNodeWithASaturatedSample, PublishesItWithAFlag) {
   }
 }
 
+/// Verifies SR-PRED-11.
 TEST(GyroNodeBuiltToPublishAPredictor, CorrectsByThatOne) {
   for (const Predictor which :
        {Predictor::kalman, Predictor::moving_average, Predictor::calibration_mean}) {
@@ -309,6 +320,7 @@ TEST(GyroNodeBuiltToPublishAPredictor, CorrectsByThatOne) {
   }
 }
 
+/// Verifies SR-HEALTH-04.
 TEST(GyroNodeWhoseSensorIsLouderThanItsModel, FlagsTheModel) {
   auto params = node_params();
   Node honest{params};
@@ -319,6 +331,7 @@ TEST(GyroNodeWhoseSensorIsLouderThanItsModel, FlagsTheModel) {
 }
 
 // 64 spreads know a standard deviation within some 5 %, and the biases of the two are 1 % apart.
+/// Verifies SR-LEARN-16.
 TEST(GyroNodeWhoseSensorIsLouderThanItsModel, LearnsHowLoudItIs) {
   auto params = node_params();
   Node honest{params};
@@ -337,6 +350,7 @@ TEST(GyroNodeWhoseSensorIsLouderThanItsModel, LearnsHowLoudItIs) {
   EXPECT_FLOAT_EQ(node_sigma(believing), 0.1F * kWhiteSigmaRadS);
 }
 
+/// Verifies SR-HEALTH-20.
 TEST(GyroNodeInAStopWithMotion, SaysHowMuchOfItWasCalm) {
   const auto params = node_params();
   Node node{params};

@@ -56,6 +56,7 @@ TEST(NodeLoopPolledLate, StampsTheSampleWithItsDataReadyEdge) {
   EXPECT_EQ(rig.published.messages[0].time, edge);
 }
 
+/// Verifies SR-IF-18.
 TEST(NodeLoopWhoseChipDoesNotAnswer, DoublesItsPausesToASecond) {
   LoopRig rig;
   rig.break_bus(Fault::kForEver);
@@ -77,6 +78,7 @@ TEST(NodeLoopWhoseChipDoesNotAnswer, DoublesItsPausesToASecond) {
   EXPECT_EQ(rig.counters().starts, 1U);
 }
 
+/// Verifies SR-HEALTH-08.
 TEST(NodeLoopWithoutSamples, ReportsFourTimesASecond) {
   LoopRig rig;
   rig.start();
@@ -103,6 +105,7 @@ TEST(NodeLoopWithoutSamples, ReportsFourTimesASecond) {
   EXPECT_FALSE(rig.published.messages.back().health.sensor_fault);
 }
 
+/// Verifies SR-INT-01.
 TEST(NodeLoopWhoseChipNeverAnswered, SaysThatItIsNotCalibrated) {
   LoopRig rig;
   rig.break_bus(Fault::kForEver);
@@ -113,6 +116,7 @@ TEST(NodeLoopWhoseChipNeverAnswered, SaysThatItIsNotCalibrated) {
   EXPECT_FALSE(core::is_finite(rig.published.messages[0].axes[0].sigma.in(core::rad_per_s)));
 }
 
+/// Verifies SR-IF-18.
 TEST(NodeLoopAfterABusError, StartsTheChipAgainAndGoesOn) {
   LoopRig rig;
   rig.start();
@@ -146,6 +150,7 @@ TEST(NodeLoopAfterASuccessfulRestart, BeginsItsPausesAnew) {
   EXPECT_EQ(rig.counters().starts, 9U);
 }
 
+/// Verifies SR-IF-17.
 TEST(NodeLoopWhoseChipWasUpset, RestoresTheChangedRegister) {
   LoopRig rig;
   rig.start();
@@ -221,6 +226,7 @@ TEST(NodeLoopWithPulses, HandsThemAllToTheNodeAndCountsThem) {
   EXPECT_FALSE(rig.published.messages.back().health.odometer_fault);
 }
 
+/// Verifies SR-HEALTH-06.
 TEST(NodeLoopWithAnOverflowingOdometer, CountsTheLostPulses) {
   LoopRig rig;
   rig.start();
@@ -256,6 +262,7 @@ TEST(NodeLoopWithoutAnOdometer, PublishesNoPulses) {
   EXPECT_FALSE(rig.published.messages.back().odometer_pulses.has_value());
 }
 
+/// Verifies SR-STILL-05.
 TEST(NodeLoopWhoseOdometerFails, CountsAsMovingAndLearnsNothing) {
   LoopRig rig;
   rig.start();
@@ -273,6 +280,7 @@ TEST(NodeLoopWhoseOdometerFails, CountsAsMovingAndLearnsNothing) {
   EXPECT_GT(rig.node.measured_ticks(), learnt);
 }
 
+/// Verifies SR-TIME-05.
 TEST(NodeLoopWhoseOdometerNeverEnds, GoesOnAndCountsAsMoving) {
   LoopRig rig;
   rig.start();
@@ -285,6 +293,7 @@ TEST(NodeLoopWhoseOdometerNeverEnds, GoesOnAndCountsAsMoving) {
   EXPECT_TRUE(rig.published.messages.back().health.odometer_fault);
 }
 
+/// Verifies SR-MEM-01.
 TEST(NodeLoopOverAWholeDrive, NeverAllocatesInNodeLoopAndDriver) {
   LoopRig rig;
   rig.start();

@@ -57,6 +57,7 @@ int first_disagreement(const Chatter& chatter) {
   return 6000;
 }
 
+/// Verifies SR-HEALTH-18.
 TEST(NodeLoopWithAnOdometerThatChatters, DisagreesWithinTenSeconds) {
   for (const int every : {2, 10, 104, 400}) {
     EXPECT_LT(first_disagreement({.every = every, .sway_rad_s = 0.0F}), 1100) << every;

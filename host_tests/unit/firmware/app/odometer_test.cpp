@@ -51,6 +51,7 @@ float error_dps(const Node& node) {
   return (node.bias(Predictor::kalman, 0).in(core::rad_per_s)-kBias) / kDps;
 }
 
+/// Verifies SR-LEARN-05, SR-HEALTH-15.
 TEST(GyroNodeWhoseOdometerIsDead, ReportsATurnAndDoesNotLearnIt) {
   Trip trip;
   const Node& node = trip.node();
@@ -69,6 +70,7 @@ TEST(GyroNodeWhoseOdometerIsDead, ReportsATurnAndDoesNotLearnIt) {
 }
 
 // Nobody can tell a constant turn from a bias; but no bias of this chip is so large.
+/// Verifies SR-HEALTH-05.
 TEST(GyroNodeStartedInAFastTurn, IsNeverHealthy) {
   auto params = node_params();
   params.model.largest_bias_rad_s = 5.0F * kDps;
@@ -82,6 +84,7 @@ TEST(GyroNodeStartedInAFastTurn, IsNeverHealthy) {
   EXPECT_FALSE(Trip{params}.go(60'000, 3.0F * kDps, false).health.model_inconsistent);
 }
 
+/// Verifies SR-LEARN-07.
 TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
   Trip trip;
   const Node& node = trip.node();
@@ -94,6 +97,7 @@ TEST(GyroNodeWhoseWireBreaksInABend, LearnsNothingOfIt) {
   EXPECT_LT(std::abs(error_dps(node)), 0.005F);
 }
 
+/// Verifies SR-LEARN-06.
 TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, AcceptsItIn2Minutes) {
   Trip trip;
   const Node& node = trip.node();
@@ -105,6 +109,7 @@ TEST(GyroNodeWhoseBiasIsAnotherAfterADrive, AcceptsItIn2Minutes) {
 }
 
 // The bias changes half a minute before the vehicle drives off.
+/// Verifies SR-HEALTH-19.
 TEST(GyroNodeThatDoubtsAtDeparture, SaysSoUntilAStopSettlesIt) {
   Trip trip;
   const Node& node = trip.node();
@@ -120,6 +125,7 @@ TEST(GyroNodeThatDoubtsAtDeparture, SaysSoUntilAStopSettlesIt) {
 }
 
 // An automated vehicle turns on the spot for five minutes, and then stands.
+/// Verifies SR-LEARN-08.
 TEST(GyroNodeThatLearntATurn, ReturnsToTheBiasWithinSeconds) {
   Trip trip;
   const Node& node = trip.node();
@@ -130,6 +136,7 @@ TEST(GyroNodeThatLearntATurn, ReturnsToTheBiasWithinSeconds) {
   EXPECT_NEAR(error_dps(node), 0.0F, 0.01F);
 }
 
+/// Verifies SR-HEALTH-16.
 TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
   Trip trip;
   const Node& node = trip.node();
@@ -144,6 +151,7 @@ TEST(GyroNodeWithPulsesAtRest, SaysSoAndCalibratesAtTheNextStop) {
 // Stamps that lie ahead are believed: what they cost is bounded by the stamp, and told.
 constexpr std::int64_t kAhead_ms = 600'000;
 
+/// Verifies SR-TIME-06.
 TEST(GyroNodeWithAPulseStampedAhead, ReportsItAndRecovers) {
   Trip trip;
   Node& node = trip.node();
@@ -162,6 +170,7 @@ TEST(GyroNodeWithAPulseStampedAhead, ReportsItAndRecovers) {
   EXPECT_GE(node.measured_ticks(), (20'000 + kAhead_ms + 25'000) / 100);
 }
 
+/// Verifies SR-TIME-06.
 TEST(GyroNodeWithASampleStampedAhead, RefusesUntilItsTime) {
   Trip trip;
   Node& node = trip.node();

@@ -55,6 +55,7 @@ struct WatchedAxes {
 
 constexpr int kMinute = 6000;
 
+/// Verifies SR-HEALTH-12.
 TEST(SampleWatchOfALiveGyro, FindsNoFault) {
   WatchedAxes gyro;
   EXPECT_FALSE(gyro.run(30 * kMinute));
@@ -62,6 +63,7 @@ TEST(SampleWatchOfALiveGyro, FindsNoFault) {
   EXPECT_FALSE(gyro.run(30 * kMinute));
 }
 
+/// Verifies SR-HEALTH-09.
 TEST(SampleWatchOfAFrozenAxis, FindsItWithinTwoSecondsAndNoOther) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     WatchedAxes gyro;
@@ -82,6 +84,7 @@ TEST(SampleWatchOfAFrozenAxis, FindsItFromTheFirstSampleOn) {
   EXPECT_EQ(gyro.sample(), 0b100U);
 }
 
+/// Verifies SR-HEALTH-10.
 TEST(SampleWatchOfZeros, FindsAllAxesWithinTenSeconds) {
   WatchedAxes known;
   known.watch.set_step(core::deg_per_s(0.00875F));
@@ -109,6 +112,7 @@ TEST(SampleWatchOfAGyroThatFreezesInABend, FindsItWhileItDrives) {
   EXPECT_LT(gyro.run(2000).value_or(2000), 200);
 }
 
+/// Verifies SR-HEALTH-09.
 TEST(SampleWatchOfARamp, FindsTheAxis) {
   WatchedAxes gyro;
   ASSERT_FALSE(gyro.run(kMinute));
@@ -122,6 +126,7 @@ TEST(SampleWatchOfARamp, FindsTheAxis) {
   EXPECT_LT(first.value_or(300), 200);
 }
 
+/// Verifies SR-HEALTH-11.
 TEST(SampleWatchOfAnAxisAtFullScale, FindsItAfterTenSeconds) {
   WatchedAxes gyro;
   ASSERT_FALSE(gyro.run(kMinute));
@@ -141,6 +146,7 @@ TEST(SampleWatchOfAnAxisAtFullScale, FindsItAfterTenSeconds) {
 
 /// Steps far above the noise: constant samples are the rule. The biases wander over five steps in
 /// an hour, so that each place between two counts is met at rest and while the vehicle drives.
+/// Verifies SR-HEALTH-12.
 TEST(SampleWatchOfACoarseQuietGyro, FindsNoFaultAtAnyBias) {
   for (const double model : {0.2, 0.5, 1.0}) {
     WatchedAxes gyro{.step = 0.061, .sigma = 0.2 * 0.061, .model_sigma = model * 0.061};

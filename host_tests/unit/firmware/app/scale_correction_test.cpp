@@ -33,6 +33,7 @@ RateMessage drive_of_a_sensor_that_is_off(float error, float known) {
   return message;
 }
 
+/// Verifies SR-PRED-01.
 TEST(KnownErrorOfTheScaleFactor, IsTakenOffBiasRateAndTurn) {
   const auto turn = [](const RateMessage& message) { return message.turn[2].angle.in(core::rad); };
   const RateMessage perfect = drive_of_a_sensor_that_is_off(0.0F, 0.0F);

@@ -68,6 +68,7 @@ SnapshotRefusal refusal_of(const Record& record, const SnapshotTime& now,
   return restored.error();
 }
 
+/// Verifies SR-SNAP-01.
 TEST(SnapshotOfAState, ContinuesBitForBitInTheSameSession) {
   Learnt learnt;
   const auto record = learnt.snapshot.of_state(learnt.node.state(), kSaved);
@@ -79,6 +80,7 @@ TEST(SnapshotOfAState, ContinuesBitForBitInTheSameSession) {
   }
 }
 
+/// Verifies SR-SNAP-02.
 TEST(SnapshotAfterAPause, HasTheVarianceOfPauseAndTurnOn) {
   Learnt learnt;
   constexpr std::int64_t kPause_s = 600;
@@ -148,6 +150,7 @@ TEST(SnapshotAfterAPauseOfMoreTicksThanAreCounted, IsAgedByThem) {
   }
 }
 
+/// Verifies SR-SNAP-03.
 TEST(SnapshotWithoutAClock, IsAgedByADay) {
   Learnt learnt;
   const auto record = learnt.snapshot.of_filters(learnt.node, {});
@@ -296,8 +299,7 @@ TEST(SnapshotOfAModelWithoutTurnOn, IsRefusedInAnotherSession) {
   EXPECT_EQ(*taken_up(params, record, kSaved, again), Resumption::continued);
 }
 
-// The oracle: the new amplitude's variance is all there at the start, and it is gone when the
-// warm-up is over.
+// Oracle: the new amplitude's variance is whole at the start, and gone when the warm-up is over.
 TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
   constexpr float kAmplitude_rad_s = 4e-3F;
   Node::Params params = params_with_turn_on();
@@ -323,8 +325,8 @@ TEST(SnapshotOfAModelWithAWarmUp, ExpectsAnotherWarmUp) {
   EXPECT_NEAR(bias_of(again), kBias_rad_s, 5.0F * last.axes[0].sigma.in(core::rad_per_s));
 }
 
-// The oracle: the variance of the bias, of so many seconds of the new model's slow noise and of the
-// turn-on.
+// Oracle: variance of the bias, of so many seconds of the new model's slow noise, of the turn-on.
+/// Verifies SR-SNAP-07.
 TEST(SnapshotOfAnotherModel, GivesTheBiasWithAWiderInterval) {
   Learnt learnt;
   Node::Params louder = params_with_turn_on();

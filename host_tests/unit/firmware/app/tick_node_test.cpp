@@ -52,6 +52,7 @@ void stand(Ticks& node, std::uint32_t ticks) {
   }
 }
 
+/// Verifies SR-TIME-02.
 TEST(TickNodeFedStepByStep, IsAsIfFedAtOnce) {
   const auto params = learning_params(core::Duration::milliseconds(10));
   Ticks at_once{params};
@@ -120,6 +121,7 @@ TEST(TickNodeInTheMiddleOfItsWork, ForecastsFromEachFilter) {
 }
 
 /// Samples at 26 Hz: 13 share the work of a tick.
+/// Verifies SR-TIME-02.
 TEST(GyroNodeThatLearnsAtALowRate, CompletesEachTickBeforeTheNext) {
   using LearningNode = GyroNode<kLearningShape, kKalmanAlone>;
   constexpr core::Duration kPeriod = core::Duration::nanoseconds(38'461'538);
@@ -138,6 +140,7 @@ TEST(GyroNodeThatLearnsAtALowRate, CompletesEachTickBeforeTheNext) {
 }
 
 /// One sample in ten arrives: the work piles up, and the line of held ticks never overflows.
+/// Verifies SR-TIME-04.
 TEST(GyroNodeThatLosesSamples, LearnsAllTheSame) {
   using LearningNode = GyroNode<kLearningShape, kKalmanAlone>;
   const LearningNode::Params params{.model =

@@ -28,6 +28,7 @@ double sigma_rad(const RateMessage& message, std::size_t axis) {
   return double{message.turn[axis].sigma.in(core::rad)};
 }
 
+/// Verifies SR-HEAD-01.
 TEST(TurnOfADrive, IsPublishedForEachAxisWithItsInterval) {
   const auto params = node_params();
   Node node{params};
@@ -54,6 +55,7 @@ TEST(TurnOfADrive, StaysUntilTheNextDeparture) {
   EXPECT_NEAR(turn_rad(next, 0), -1.0, 0.01);
 }
 
+/// Verifies SR-HEAD-02.
 TEST(TurnOnTheSpot, IsSummedFromBeforeItWasNoticed) {
   const auto params = node_params();
   Node node{params};
@@ -63,6 +65,7 @@ TEST(TurnOnTheSpot, IsSummedFromBeforeItWasNoticed) {
   EXPECT_NEAR(turn_rad(after, 0), 1.0, 0.01);
 }
 
+/// Verifies SR-HEAD-04.
 TEST(TurnWithAGap, HasItsErrorUntilTheNextDeparture) {
   const auto params = node_params();
   Node node{params};
@@ -74,6 +77,7 @@ TEST(TurnWithAGap, HasItsErrorUntilTheNextDeparture) {
   EXPECT_NEAR(std::sqrt(after * after - before * before), gap, 0.1 * gap);
 }
 
+/// Verifies SR-HEAD-04.
 TEST(TurnWhileTheGyroIsSilent, LosesItsInterval) {
   const auto params = node_params();
   Node node{params};
@@ -84,6 +88,7 @@ TEST(TurnWhileTheGyroIsSilent, LosesItsInterval) {
   EXPECT_GT(sigma_rad(silent, 0), 0.2);
 }
 
+/// Verifies SR-HEAD-05.
 TEST(TurnOfAMachineThatSlept, IsNotKnown) {
   const auto params = node_params();
   Node node{params};
@@ -93,6 +98,7 @@ TEST(TurnOfAMachineThatSlept, IsNotKnown) {
   EXPECT_FALSE(std::isfinite(sigma_rad(drive(node, 25'000, 26'000, 0.1F).back(), 0)));
 }
 
+/// Verifies SR-HEAD-05.
 TEST(TurnWithFullScale, IsNotKnownOnThatAxis) {
   const auto params = node_params();
   Node node{params};
@@ -108,6 +114,7 @@ TEST(TurnWithFullScale, IsNotKnownOnThatAxis) {
 }
 
 /// Oracle of the bias part: predict_heading() of the same node over the same time.
+/// Verifies SR-HEAD-03.
 TEST(ErrorOfTheTurn, IsThatOfTheFilterWhereNothingIsTurned) {
   auto params = node_params();
   params.model.motion = {.scale_factor = 0.0F};

@@ -18,6 +18,7 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
+/// Verifies SR-IF-01.
 TEST(CInterfaceWithAModelThatCannotBe, StaysUninitialised) {
   const std::vector<std::pair<zerorate_result, std::function<void(zerorate_model&)>>> defects = {
       {ZERORATE_BAD_MODEL, [](auto& m) { m.white_variance_rad2_s2 = 0.0F; }},
@@ -57,6 +58,7 @@ TEST(CInterfaceWithAModelThatCannotBe, StaysUninitialised) {
   }
 }
 
+/// Verifies SR-IF-02.
 TEST(CInterfaceWithTimesThatCannotBe, RefusesThem) {
   zerorate_node node;
   zerorate_config config = zerorate_default_config();
@@ -70,6 +72,7 @@ TEST(CInterfaceWithTimesThatCannotBe, RefusesThem) {
   EXPECT_EQ(zerorate_init(&node, &model, nullptr), ZERORATE_BAD_TIMES);
 }
 
+/// Verifies SR-IF-02.
 TEST(CInterfaceAtAPlaceThatCannotBe, RefusesIt) {
   zerorate_node node;
   for (const auto& [up_axis, latitude_deg] :
@@ -81,6 +84,7 @@ TEST(CInterfaceAtAPlaceThatCannotBe, RefusesIt) {
   }
 }
 
+/// Verifies SR-IF-02.
 TEST(CInterfaceGivenAChoiceThatThereIsNot, RefusesIt) {
   zerorate_node node;
   for (const std::int32_t choice : {-1, 3, 9, 77, 256}) {
@@ -107,12 +111,14 @@ TEST(CInterfaceToldOfAnAxisThatThereIsNot, RefusesTheSample) {
 }
 
 /// A compiler with -fshort-enums reads and writes the same bytes: test foreign.makefile.
+/// Verifies SR-IF-08.
 TEST(CInterfaceEnumerations, AreOf32Bits) {
   static_assert(sizeof(zerorate_result) == 4 && sizeof(zerorate_predictor) == 4);
   static_assert(sizeof(zerorate_motion) == 4 && sizeof(zerorate_standstill) == 4);
   EXPECT_EQ(offsetof(zerorate_rate, health), 12U);
 }
 
+/// Verifies SR-SNAP-06.
 TEST(CInterfaceGivenAForgedRecord, RefusesItOrPublishesNumbers) {
   static zerorate_node learnt;
   ASSERT_EQ(zerorate_init(&learnt, &front_gyro, nullptr), ZERORATE_OK);
@@ -147,6 +153,7 @@ TEST(CInterfaceGivenAForgedRecord, RefusesItOrPublishesNumbers) {
 }
 
 // The bytes of an instance in a buffer that a cast made of bytes.
+/// Verifies SR-IF-04.
 TEST(CInterfaceWithStorageAtAnOddAddress, RefusesIt) {
   alignas(zerorate_node) static std::array<std::uint8_t, sizeof(zerorate_node) + 8> aligned;
   auto* odd = static_cast<zerorate_node*>(static_cast<void*>(aligned.data() + 1));

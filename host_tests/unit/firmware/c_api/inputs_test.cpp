@@ -85,6 +85,7 @@ TEST(CInterfaceWithForces, PredictsTheBiasOfALeaningVehicle) {
   EXPECT_FALSE(rate.health.acceleration_missing);
 }
 
+/// Verifies SR-INT-07, SR-HEALTH-23.
 TEST(CInterfaceWithoutTheForcesOfItsModel, FlagsAndWidens) {
   zerorate_node node{};
   const zerorate_model model = leaning_model();
@@ -112,6 +113,7 @@ TEST(CInterfaceGivenImpossibleForces, RefusesThem) {
   }
 }
 
+/// Verifies SR-IF-01.
 TEST(CModelWithImpossibleInputs, IsRefused) {
   zerorate_node node{};
   zerorate_model model = leaning_model();

@@ -45,6 +45,7 @@ Record save(zerorate_node& node, std::int64_t utc_s = kUtc_s) {
   return record;
 }
 
+/// Verifies SR-PRED-09.
 TEST(CInterfaceOverThreeStopsAndDrives, IsTheNodeBitForBit) {
   using Node = app::GyroNode<model::kCApiShape>;
   const auto period = core::Duration::nanoseconds(kPeriod_ns);
@@ -98,6 +99,7 @@ TEST(CInterfaceToldNotToLearn, HasNothingToTell) {
   EXPECT_EQ(learnt.order.value, 0.0F);
 }
 
+/// Verifies SR-IF-01.
 TEST(CInterfaceGivenAnImpossibleHypothesis, RefusesTheModel) {
   zerorate_node node;
   zerorate_model model = front_gyro;
@@ -129,6 +131,7 @@ TEST(CInterfaceWithPulses, IsTheSameAsWithTheVehiclesWord) {
   }
 }
 
+/// Verifies SR-IF-10.
 TEST(CInterfaceInstances, DoNotKnowOfEachOther) {
   zerorate_node alone;
   zerorate_node first;
@@ -145,6 +148,7 @@ TEST(CInterfaceInstances, DoNotKnowOfEachOther) {
             feed(first, moment(kStopSamples)).bias_rad_s[0]);
 }
 
+/// Verifies SR-MEM-01.
 TEST(CInterfaceWhileItRuns, AllocatesNothing) {
   zerorate_node node;
   const support::AllocationCounter counter;
@@ -153,6 +157,7 @@ TEST(CInterfaceWhileItRuns, AllocatesNothing) {
   EXPECT_EQ(counter.count(), 0U);
 }
 
+/// Verifies SR-IF-04.
 TEST(CInterfaceBeforeInit, AnswersThatItIsNotInitialised) {
   static zerorate_node node;  // zeros
   zerorate_rate rate{};
@@ -170,6 +175,7 @@ TEST(CInterfaceBeforeInit, AnswersThatItIsNotInitialised) {
   EXPECT_EQ(zerorate_pulse(nullptr, 0), ZERORATE_NOT_INITIALISED);
 }
 
+/// Verifies SR-IF-04.
 TEST(CInterfaceThatWasMoved, AnswersThatItIsNotInitialised) {
   auto original = std::make_unique<zerorate_node>();
   stand(*original);
@@ -178,6 +184,7 @@ TEST(CInterfaceThatWasMoved, AnswersThatItIsNotInitialised) {
   EXPECT_EQ(zerorate_pulse(&copy, 0), ZERORATE_NOT_INITIALISED);
 }
 
+/// Verifies SR-IF-03.
 TEST(CInterfaceWithNullPointers, RefusesThem) {
   zerorate_node node;
   stand(node);
@@ -195,6 +202,7 @@ TEST(CInterfaceWithNullPointers, RefusesThem) {
   EXPECT_EQ(zerorate_init(&node, nullptr, nullptr), ZERORATE_BAD_ARGUMENT);
 }
 
+/// Verifies SR-PRED-06.
 TEST(CInterfaceAtALatitude, TakesTheEarthsRotationOutOfTheBias) {
   zerorate_config config = zerorate_default_config();
   zerorate_node unaware;
@@ -214,6 +222,7 @@ TEST(CInterfaceAtALatitude, TakesTheEarthsRotationOutOfTheBias) {
   EXPECT_EQ(with.bias_rad_s[0], without.bias_rad_s[0]);
 }
 
+/// Verifies SR-IF-06.
 TEST(CInterfaceFedWithATimeThatNoClockShows, RefusesIt) {
   constexpr std::int64_t kCentury_ns = 3'155'760'000'000'000'000;
   zerorate_node node;
@@ -228,6 +237,7 @@ TEST(CInterfaceFedWithATimeThatNoClockShows, RefusesIt) {
   }
 }
 
+/// Verifies SR-HEALTH-01, SR-HEALTH-02, SR-IF-05.
 TEST(CInterfaceWithBadSamples, FlagsThemAndChangesNothing) {
   zerorate_node node;
   stand(node);
@@ -278,6 +288,7 @@ TEST(CInterfaceWithATemperature, FollowsItAndSaysWhereThereIsNone) {
   EXPECT_TRUE(rate.health.temperature_missing);
 }
 
+/// Verifies SR-HEALTH-06.
 TEST(CInterfaceWhoseInputLostPulses, SaysSoOnce) {
   zerorate_node node;
   stand(node);
@@ -286,6 +297,7 @@ TEST(CInterfaceWhoseInputLostPulses, SaysSoOnce) {
   EXPECT_FALSE(feed(node, moment(kStopSamples + 1)).health.odometer_fault);
 }
 
+/// Verifies SR-INT-05.
 TEST(CInterfaceAskedForAHeading, WidensItWithTheDriveAndNeedsAStop) {
   zerorate_node node;
   zerorate_heading_error minute{};
@@ -299,6 +311,7 @@ TEST(CInterfaceAskedForAHeading, WidensItWithTheDriveAndNeedsAStop) {
   EXPECT_GT(hour.sigma_rad, 60.0F * minute.sigma_rad);  // the bias does not stay where it is
 }
 
+/// Verifies SR-SNAP-02.
 TEST(CInterfaceRestored, GoesOnWithTheBiasAndAWiderInterval) {
   zerorate_node node;
   stand(node);
@@ -314,6 +327,7 @@ TEST(CInterfaceRestored, GoesOnWithTheBiasAndAWiderInterval) {
   EXPECT_GT(after.sigma_rad_s[0], before.sigma_rad_s[0]);
 }
 
+/// Verifies SR-SNAP-04.
 TEST(CInterfaceOfferedAWrongRecord, ReportsItAndStartsAnew) {
   zerorate_node node;
   stand(node);
@@ -344,6 +358,7 @@ TEST(CInterfaceOfferedAWrongRecord, ReportsItAndStartsAnew) {
   EXPECT_EQ(refusal(save(unknown), good.size(), other, 0), ZERORATE_SNAPSHOT_NOT_USABLE);
 }
 
+/// Verifies SR-SNAP-07.
 TEST(CInterfaceOfferedARecordOfAnotherModel, GoesOnWithTheBias) {
   zerorate_node node;
   stand(node);
@@ -356,6 +371,7 @@ TEST(CInterfaceOfferedARecordOfAnotherModel, GoesOnWithTheBias) {
   EXPECT_TRUE(feed(restarted, moment(0)).health.calibrated);
 }
 
+/// Verifies SR-SNAP-08.
 TEST(CInterfaceSaving, NeedsRoomAndAStop) {
   zerorate_node node;
   Record record{};

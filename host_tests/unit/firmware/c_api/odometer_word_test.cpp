@@ -75,6 +75,7 @@ TEST(CInterfaceWithAWordTenTimesASecond, LearnsTheBias) {
   EXPECT_NEAR(rate.bias_rad_s[2], kBias[2], 4.0F * rate.sigma_rad_s[2]);
 }
 
+/// Verifies SR-STILL-06, SR-HEALTH-07.
 TEST(CInterfaceWhoseBusDies, LearnsNothingOfACurve) {
   Vehicle vehicle;
   vehicle.stand(kStopSamples);
@@ -87,6 +88,7 @@ TEST(CInterfaceWhoseBusDies, LearnsNothingOfACurve) {
 }
 
 // Where nothing was said of words, they are awaited from the first one on.
+/// Verifies SR-HEALTH-07, SR-HEALTH-23.
 TEST(CInterfaceWhoseWordsEnd, LearnsNothingOfACurve) {
   Vehicle vehicle{zerorate_default_config()};
   vehicle.stand(kStopSamples);
@@ -96,6 +98,7 @@ TEST(CInterfaceWhoseWordsEnd, LearnsNothingOfACurve) {
   EXPECT_TRUE(rate.health.odometer_fault);
 }
 
+/// Verifies SR-STILL-06.
 TEST(CInterfaceSwitchedOnWithADeadBus, LearnsNothingAndSaysSo) {
   Vehicle vehicle;
   EXPECT_FALSE(vehicle.turn(kSecond).health.odometer_fault);
@@ -124,6 +127,7 @@ TEST(CInterfaceToldOfMotionEveryTwoSeconds, CountsItAsMoving) {
   }
 }
 
+/// Verifies SR-STILL-07.
 TEST(CInterfaceWithAWordOfAnotherClock, TakesItForNone) {
   for (const std::int64_t offset_ns : {-10'000'000'000, 10'000'000'000}) {
     Vehicle vehicle;
@@ -155,6 +159,7 @@ TEST(CInterfaceWithPulsesButNoWord, LearnsOnlyIfItIsToldSo) {
   EXPECT_FALSE(learnt.health.odometer_fault);
 }
 
+/// Verifies SR-STILL-08.
 TEST(CInterfaceGivenAPulse, WaitsForTheNextWordOfRest) {
   Vehicle vehicle;
   vehicle.stand(kStopSamples, 1);
@@ -176,6 +181,7 @@ TEST(CInterfaceByTheGyroAlone, AsksForNoWord) {
 }
 
 /// Microseconds of 32 bits: 4,295 s.
+/// Verifies SR-IF-05, SR-IF-07.
 TEST(CInterfaceWhoseClockWraps, SaysSoAndGivesNoRate) {
   constexpr std::int64_t kWrap_ns = (std::int64_t{1} << 32) * 1000;
   Vehicle vehicle;
@@ -193,6 +199,7 @@ TEST(CInterfaceWhoseClockWraps, SaysSoAndGivesNoRate) {
 }
 
 /// Pulses stamped by another clock than the samples.
+/// Verifies SR-IF-07.
 TEST(CInterfaceWhosePulsesAreOfAnotherClock, CountsThemAsMotion) {
   Vehicle vehicle{pulses_alone()};
   vehicle.k = 60 * kSecond;
@@ -215,6 +222,7 @@ std::int64_t wait_of(const zerorate_config& config) {
   return vehicle.k;
 }
 
+/// Verifies SR-STILL-09.
 TEST(CInterfaceToldOfDeadBandAndLatency, HoldsBackLongerByThem) {
   const zerorate_config config = zerorate_default_config();
   zerorate_config late = config;
@@ -223,6 +231,7 @@ TEST(CInterfaceToldOfDeadBandAndLatency, HoldsBackLongerByThem) {
   EXPECT_EQ(wait_of(late), wait_of(config) + 130);
 }
 
+/// Verifies SR-IF-02.
 TEST(CInterfaceWithLimitsThatCannotBe, RefusesThem) {
   zerorate_node node{};
   for (const std::int64_t time_ns : {std::int64_t{-1}, std::int64_t{3'600'000'000'001}}) {

@@ -73,6 +73,7 @@ class ScaledGyro : public ::testing::Test {
   zerorate_result last_ = ZERORATE_OK;
 };
 
+/// Verifies SR-HEAD-06.
 TEST_F(ScaledGyro, IsCorrectedByHeadingsAtStops) {
   constexpr double kTurn_rad = double{kTurn_rad_s} * double{kPeriod_s} * double{kDriveSamples};
   const zerorate_rate first = stop_and_drive();
@@ -90,6 +91,7 @@ TEST_F(ScaledGyro, IsCorrectedByHeadingsAtStops) {
   EXPECT_TRUE(last.health.usable);
 }
 
+/// Verifies SR-SNAP-10.
 TEST_F(ScaledGyro, GoesOnAfterThePowerWasOff) {
   for (int drive = 0; drive < 12; ++drive) stop_and_drive();
   const zerorate_learnt_motion before = learnt();
@@ -137,6 +139,7 @@ TEST_F(ScaledGyro, SaysWhereItIsHeading) {
   EXPECT_EQ(rate.vertical_rad_s, rate.corrected_rad_s[2]);
 }
 
+/// Verifies SR-HEAD-09.
 TEST_F(ScaledGyro, RefusesATimeThatIsNotRemembered) {
   EXPECT_EQ(refer(), ZERORATE_NOTHING_LEARNT);
   stop_and_drive();
@@ -160,6 +163,7 @@ TEST_F(ScaledGyro, LearnsFromTheTurnOfAWholeDrive) {
   EXPECT_NEAR(learnt().scale_factor_error.value, 0.01F, 0.002F);
 }
 
+/// Verifies SR-HEAD-09.
 TEST(References, NeedAnAxisThatPointsUp) {
   zerorate_node node{};
   zerorate_learnt_motion motion{};
@@ -174,6 +178,7 @@ TEST(References, NeedAnAxisThatPointsUp) {
   EXPECT_EQ(zerorate_get_learnt_motion(&node, &motion), ZERORATE_BAD_ARGUMENT);
 }
 
+/// Verifies SR-HEAD-09.
 TEST(References, RefuseWhatIsNoAngleOrDeviation) {
   constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
   zerorate_node node{};

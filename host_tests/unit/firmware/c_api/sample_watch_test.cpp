@@ -60,6 +60,7 @@ struct BreakingGyro {
   }
 };
 
+/// Verifies SR-HEALTH-12.
 TEST(CInterfaceOfALiveGyro, FindsNoFault) {
   BreakingGyro gyro;
   for (int i = 0; i < 3 * (kStopSamples + kDriveSamples); ++i) {
@@ -69,6 +70,7 @@ TEST(CInterfaceOfALiveGyro, FindsNoFault) {
   }
 }
 
+/// Verifies SR-LEARN-11, SR-HEALTH-09, SR-IF-05.
 TEST(CInterfaceWithAFrozenAxis, SaysSoSoonAndLearnsNothing) {
   for (std::size_t axis = 0; axis < ZERORATE_AXES; ++axis) {
     BreakingGyro gyro;
@@ -104,6 +106,7 @@ TEST(CInterfaceWithAnAxisThatFreezesInADrive, SaysSo) {
   gyro.expect_fault();
 }
 
+/// Verifies SR-HEALTH-10.
 TEST(CInterfaceOfZerosFromTheStart, SaysSoWhereTheCountIsKnown) {
   zerorate_config config = zerorate_default_config();
   config.count_rad_s = kCount_rad_s;
@@ -115,6 +118,7 @@ TEST(CInterfaceOfZerosFromTheStart, SaysSoWhereTheCountIsKnown) {
   gyro.expect_fault();
 }
 
+/// Verifies SR-HEALTH-09.
 TEST(CInterfaceWithARampOnAnAxis, SaysSo) {
   BreakingGyro gyro;
   gyro.drive_until(kStopSamples / 2);
@@ -124,6 +128,7 @@ TEST(CInterfaceWithARampOnAnAxis, SaysSo) {
   EXPECT_LT(first.value_or(1000), 200);
 }
 
+/// Verifies SR-HEALTH-11.
 TEST(CInterfaceWithAnAxisAtFullScale, SaysSoAfterTenSeconds) {
   BreakingGyro gyro;
   gyro.drive_until(kStopSamples);
@@ -134,6 +139,7 @@ TEST(CInterfaceWithAnAxisAtFullScale, SaysSoAfterTenSeconds) {
   EXPECT_NEAR(static_cast<double>(first.value_or(0)), 1000.0, 10.0);
 }
 
+/// Verifies SR-IF-02.
 TEST(CInterfaceWithACountThatCannotBe, RefusesIt) {
   zerorate_node node{};
   for (const float count : {-1e-3F, std::nanf(""), 2e6F}) {
@@ -144,6 +150,7 @@ TEST(CInterfaceWithACountThatCannotBe, RefusesIt) {
 }
 
 /// Every second sample is lost; the stamps of the others are right.
+/// Verifies SR-HEALTH-21.
 TEST(CInterfaceWithHalfOfItsSamples, SaysSo) {
   BreakingGyro gyro;
   for (int i = 0; i < 1000; ++i, ++gyro.k) gyro.step(moment(gyro.k));

@@ -284,6 +284,7 @@ TEST(CanTurnFrames, HoldTheAngleItsErrorAndItsTime) {
   }
 }
 
+/// Verifies SR-IF-13.
 TEST(CanTurnWithoutADeparture, IsNotAvailable) {
   EXPECT_EQ(Reading{{}}.raw("TurnSigmaZ"), 65535);
 }
@@ -294,6 +295,7 @@ TEST(CanTemperatureThatDoesNotFit, IsNotAvailable) {
   EXPECT_EQ(Reading{sent}.raw("Temperature"), -32768);
 }
 
+/// Verifies SR-IF-13.
 TEST(CanFramesWithoutARate, SaySo) {
   NumberedMessage sent;
   sent.message.health.sensor_fault = true;
@@ -308,6 +310,7 @@ TEST(CanFramesWithoutARate, SaySo) {
   }
 }
 
+/// Verifies SR-IF-13.
 TEST(CanSignalsOfWhatDoesNotFit, AreNotAvailableInsteadOfClamped) {
   NumberedMessage sent;
   sent.message.axes[0].corrected = core::deg_per_s(2200.0F);

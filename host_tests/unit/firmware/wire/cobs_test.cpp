@@ -75,6 +75,7 @@ TEST(CobsOfRandomFrames, HasNoZeroInsideAndIsReadBack) {
   EXPECT_EQ(frames_in(stream), frames);
 }
 
+/// Verifies SR-IF-15.
 TEST(CobsReaderThatJoinsInTheMiddle, IsInStepAtTheNextFrame) {
   const Bytes frame = counting(1, 40);
   const Bytes one = encoded(frame);
@@ -87,6 +88,7 @@ TEST(CobsReaderThatJoinsInTheMiddle, IsInStepAtTheNextFrame) {
   }
 }
 
+/// Verifies SR-IF-15.
 TEST(CobsReader, DropsAndCountsWhatIsTooLongOrCutShort) {
   CobsReader<8> reader;
   const auto feed = [&](const Bytes& bytes) {

@@ -150,6 +150,7 @@ void expect_reading(std::uint8_t version, std::size_t size, std::uint64_t seed,
   }
 }
 
+/// Verifies SR-IF-12.
 TEST(RateFrameOfVersion4, IsReadWithoutTheAccelerometer) {
   expect_reading(4, 116, 6, without_accelerometer);
 }
@@ -164,14 +165,17 @@ TEST(RateFrameOfVersion4, HasTheVerticalAsAnAxis) {
   EXPECT_EQ(decode_rate_frame(checked(frame)).error(), FrameError::impossible_value);
 }
 
+/// Verifies SR-IF-12.
 TEST(RateFrameOfVersion3, IsReadWithoutTheHeading) {
   expect_reading(3, 108, 5, without_heading);
 }
 
+/// Verifies SR-IF-12.
 TEST(RateFrameOfVersion2, IsReadWithoutTheTurn) {
   expect_reading(2, 76, 4, without_turn);
 }
 
+/// Verifies SR-IF-12.
 TEST(RateFrameOfVersion1, IsReadWithoutTemperatureAndPulses) {
   expect_reading(1, 68, 3, without_inputs);
   std::vector<std::uint8_t> damaged = version_1(encode_rate_frame({}));
@@ -179,6 +183,7 @@ TEST(RateFrameOfVersion1, IsReadWithoutTemperatureAndPulses) {
   EXPECT_EQ(decode_rate_frame(damaged).error(), FrameError::wrong_checksum);
 }
 
+/// Verifies SR-IF-11.
 TEST(RateFrameWithAnyWrongBit, IsRefused) {
   std::mt19937_64 random{2};
   const std::vector<std::uint8_t> good = bytes_of(encode_rate_frame(random_message(random)));
@@ -189,6 +194,7 @@ TEST(RateFrameWithAnyWrongBit, IsRefused) {
   }
 }
 
+/// Verifies SR-IF-12.
 TEST(BytesThatAreNoRateFrame, AreRefusedForTheirReason) {
   const auto reason = [](const std::vector<std::uint8_t>& bytes) {
     return decode_rate_frame(bytes).error();

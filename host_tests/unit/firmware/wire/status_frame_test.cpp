@@ -56,6 +56,7 @@ TEST(StatusFrame, HasTheDocumentedBytes) {
   EXPECT_EQ(LittleEndianReader{std::span{frame}.last<4>()}.take<std::uint32_t>(), checksum);
 }
 
+/// Verifies SR-IF-11.
 TEST(StatusFrameWithAnyBitFlipped, IsRefused) {
   for (std::size_t bit = 0; bit < 8 * kStatusFrameBytes; ++bit) {
     StatusFrame frame = encode_status_frame(some_status());
@@ -102,6 +103,7 @@ TEST(LearntFrame, HasTheDocumentedBytes) {
   EXPECT_EQ(LittleEndianReader{std::span{frame}.last<4>()}.take<std::uint32_t>(), checksum);
 }
 
+/// Verifies SR-IF-11.
 TEST(LearntFrameWithAnyBitFlipped, IsRefused) {
   for (std::size_t bit = 0; bit < 8 * kLearntFrameBytes; ++bit) {
     LearntFrame frame = encode_learnt_frame(testing::some_learnt_model());

@@ -112,6 +112,7 @@ TEST(FileStorageAfterARestart, GoesOnFromTheNewestRecord) {
   EXPECT_EQ(record, record_of(5));
 }
 
+/// Verifies SR-SNAP-09.
 TEST(FileStorageCutOffAtAnyMoment, HasEitherTheOldRecordOrTheNew) {
   bool is_over = false;
   for (int cut = 0; !is_over; ++cut) {
