@@ -324,9 +324,23 @@ RestSamples measurements_of(const RestSamples& all) {
   return rest;
 }
 
+namespace {
+
+/// Where motion took most of the rows, the reason for too short a rest is its source.
+void require_rest_besides_motion(const RestSamples& samples, std::size_t ticks) {
+  if (ticks >= kFewestForWhittle || 2 * samples.moving < samples.rows) return;
+  throw recording::DataError(fmt::format(
+      "too short to identify noise: {} filter ticks at rest, and 64 are needed. {} of {} rows were "
+      "left out because the vehicle moved; --still-from names another source of rest",
+      ticks, samples.moving, samples.rows));
+}
+
+}  // namespace
+
 Characterization characterize(const RestSamples& all, const CharacterizeOptions& options) {
   const RestSamples samples = measurements_of(all);
   const auto [tick, ticks] = Ticks(samples, options);
+  require_rest_besides_motion(samples, ticks.size());
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,
                           .rows_moving = samples.moving,
