@@ -39,8 +39,9 @@ TEST(LostShare, IsTheShareOfTheSamplesThatWentMissing) {
     EXPECT_NEAR(share.by_intervals, train.lost, 0.01);
     EXPECT_GT(share.by_unevenness, 0.6 * train.lost);
     EXPECT_LT(share.by_unevenness, 1.2 * train.lost);
+    EXPECT_GT(share.most_by_unevenness, share.by_unevenness);
     EXPECT_LE(share.certain(), share.by_intervals);
-    EXPECT_LE(share.certain(), share.by_unevenness);
+    EXPECT_LE(share.certain(), share.most_by_unevenness);
   }
 }
 
