@@ -17,7 +17,7 @@ inline constexpr std::size_t kFewestSensorsOfLot = 4;
 /// are half of the lots at least. Where no half agrees, the half that differs least, with a
 /// warning.
 ///
-/// The quietest, because of two groups of the same size nothing but the noise says which is the bad
+/// The quietest, because of two groups of the same size only the noise shows which is the bad
 /// one. Up to half of the lots may be bad. Sets Lot::is_reference.
 void choose_reference_lots(Population& population);
 

@@ -39,12 +39,13 @@ std::optional<std::string> angles_not_rates(const RestSamples& samples) {
   for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
     if (!is_sum_of_noise(samples, axis)) continue;
     return fmt::format(
-        "axis {} has no white noise: from {} samples to {} its changes grow from {:.2g} to {:.2g} "
-        "deg/s (rms), as a sum of noise does: angles, not rates? A column of rates is needed, or "
-        "the angle of each sample (--units rate=deg/sample)",
-        samples.axis_name(axis), 1, 2 * kLongestLag,
+        "axis {} has no white noise: it changes by {:.2g} deg/s (rms) from sample to sample and by "
+        "{:.2g} deg/s over {} samples, as a sum of noise does: angles, not rates? A column of "
+        "rates is needed, or the angle of each sample (--units rate=deg/sample)",
+        samples.axis_name(axis),
         std::sqrt(mean_square_change(samples, axis, 1)) * units::kDegPerRad,
-        std::sqrt(mean_square_change(samples, axis, 2 * kLongestLag)) * units::kDegPerRad);
+        std::sqrt(mean_square_change(samples, axis, 2 * kLongestLag)) * units::kDegPerRad,
+        2 * kLongestLag);
   }
   return std::nullopt;
 }

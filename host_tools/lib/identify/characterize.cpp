@@ -310,7 +310,7 @@ core::Duration identification_tick(const RestSamples& samples) {
 
 RestSamples measurements_of(const RestSamples& all) {
   constexpr double kMostOutliers = 0.05;  // more are the noise of this sensor, or none of a gyro
-  const RestSamples samples = without_repeats(all);
+  RestSamples samples = without_repeats(all);
   const std::vector<std::size_t> outliers = find_outliers(samples);
   const auto most = kMostOutliers * static_cast<double>(samples.time.size());
   if (static_cast<double>(outliers.size()) > most) {
@@ -319,7 +319,7 @@ RestSamples measurements_of(const RestSamples& all) {
         "noise of a gyro. 'zerorate diagnose' shows where",
         outliers.size(), samples.time.size()));
   }
-  RestSamples rest = without(samples, outliers);
+  RestSamples rest = without(std::move(samples), outliers);
   rest.outliers += outliers.size();
   return rest;
 }

@@ -171,8 +171,7 @@ void leave_out_wild_start(RestSamples& samples) {
 
 }  // namespace
 
-RestSamples without(const RestSamples& samples, const std::vector<std::size_t>& indices) {
-  RestSamples rest = samples;
+RestSamples without(RestSamples rest, const std::vector<std::size_t>& indices) {
   if (indices.empty()) return rest;
   const auto is_left_out = [&](std::size_t k) { return std::ranges::binary_search(indices, k); };
   const auto leave_out = [&](auto& values) {

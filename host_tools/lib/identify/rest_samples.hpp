@@ -79,8 +79,7 @@ struct RestOptions {
 
 /// The samples without some of them.
 /// @param indices  ascending
-[[nodiscard]] RestSamples without(const RestSamples& samples,
-                                  const std::vector<std::size_t>& indices);
+[[nodiscard]] RestSamples without(RestSamples rest, const std::vector<std::size_t>& indices);
 
 /// Shortens RestSamples::mean_period where some samples of the sensor are lost (LostShare). Throws
 /// recording::DataError where their stamps do not show which.
