@@ -60,9 +60,11 @@ std::optional<double> parse_order(const std::string& text) {
   return order;
 }
 
-/// Further recordings, read as the first one was.
+/// Further recordings, read as the first one was. Throws recording::DataError where one of the axes
+/// did not measure.
 /// @param doubts  gets what speaks against rest and is not certain
 std::vector<identify::RestSamples> read_others(const CharacterizeOptions& options,
+                                               const std::vector<std::size_t>& axes,
                                                std::vector<std::string>& doubts) {
   std::vector<identify::RestSamples> others;
   for (const std::string& name : options.others) {
@@ -71,8 +73,10 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
     recording::Reader reader{to_input(input)};
     identify::RestSamples samples =
         identify::read_rest(reader, identify::rest_source(options.still_from));
-    for (std::string& doubt :
-         identify::require_rest(samples, identify::AcceptedDoubts{options.input.accept})) {
+    std::vector<std::size_t> measured = axes;
+    for (std::string& doubt : identify::require_rest(
+             samples, identify::AcceptedDoubts{options.input.accept}, measured)) {
+      if (measured != axes) throw recording::DataError(name + ": " + doubt);
       doubts.push_back(name + ": " + std::move(doubt));
     }
     others.push_back(std::move(samples));
@@ -83,7 +87,7 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
 identify::Characterization run_identification(const CharacterizeOptions& options) {
   const std::optional<double> order = parse_order(options.order);
   recording::Reader reader{to_input(options.input)};
-  const auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
+  auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
   identify::RestOptions rest;
   ProgressBar progress{"characterizing"};
   // Reading takes about half the time.
@@ -93,7 +97,7 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   const identify::RestSamples samples =
       identify::read_rest(reader, identify::rest_source(options.still_from), rest);
   std::vector<std::string> doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{options.input.accept});
+      identify::require_rest(samples, identify::AcceptedDoubts{options.input.accept}, axes);
   const identify::CharacterizeOptions settings{
       .recording = file_name(options.input.recording),
       .axes = axes,
@@ -103,7 +107,7 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   if (options.still_from == "gyro") identify::require_noise_of_rest(result);
   result.doubts = std::move(doubts);
   if (options.others.empty()) return result;
-  const std::vector<identify::RestSamples> others = read_others(options, result.doubts);
+  const std::vector<identify::RestSamples> others = read_others(options, axes, result.doubts);
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (others[i].axis_count != samples.axis_count) {
       throw recording::DataError(fmt::format("{}: {} axes, where {} has {}: not one sensor",

@@ -148,7 +148,7 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
                                              .holdout = options.holdout};
   if (!options.model.empty()) diagnose_options.base_model = model::load_model(options.model);
   recording::Reader reader{options.recording};
-  const auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
+  auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
   ProgressBar progress{"diagnosing"};
   // Reading takes about a tenth of the time.
   constexpr double kReading = 0.1;
@@ -161,7 +161,8 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   if (source == core::StandstillSource::odometer && reader.columns().odometer) {
     keep_calm(samples, odometer);
   }
-  doubts = identify::require_rest(samples, identify::AcceptedDoubts{options.recording.accepted});
+  doubts =
+      identify::require_rest(samples, identify::AcceptedDoubts{options.recording.accepted}, axes);
   if (std::string unused = recording::doubt_of_rows(samples.findings); !unused.empty())
     doubts.insert(doubts.begin(), std::move(unused));
   for (const std::string& doubt : doubts) print_note(options, doubt);

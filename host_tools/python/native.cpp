@@ -44,11 +44,11 @@ Outcome characterize(const Source& source, const std::string& name, const std::s
                      std::optional<double> order, const std::string& still_from,
                      const std::string& accept) {
   recording::Reader reader = source.open();
-  const auto axes = identify::axes_called(axis, reader.columns().axis_count);
+  auto axes = identify::axes_called(axis, reader.columns().axis_count);
   const identify::RestSamples samples =
       identify::read_rest(reader, identify::rest_source(still_from));
   std::vector<std::string> doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{accept});
+      identify::require_rest(samples, identify::AcceptedDoubts{accept}, axes);
   identify::Characterization result =
       identify::characterize(samples, {.recording = name, .axes = axes, .order = order});
   if (still_from == "gyro") identify::require_noise_of_rest(result);
@@ -68,7 +68,7 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
                                                double holdout, const std::string& still_from,
                                                const std::string& accept) {
   recording::Reader reader = source.open();
-  const auto axes = identify::axes_called(axis, reader.columns().axis_count);
+  auto axes = identify::axes_called(axis, reader.columns().axis_count);
   const core::StandstillSource rest = identify::rest_source(still_from);
   identify::RestSamples samples = identify::read_rest(reader, rest);
   if (rest == core::StandstillSource::odometer && reader.columns().odometer) {
@@ -76,7 +76,7 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
     if (motion.is_usual()) identify::leave_out_motion(samples, motion);
   }
   std::vector<std::string> doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{accept});
+      identify::require_rest(samples, identify::AcceptedDoubts{accept}, axes);
   std::vector<diagnose::Record> records;
   records.reserve(axes.size());
   for (const std::size_t one : axes) records.push_back(diagnose::record_of(samples, one));

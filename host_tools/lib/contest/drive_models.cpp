@@ -53,7 +53,9 @@ void require_rest(const identify::RestSamples& samples, const std::string& recor
         recording, samples.moving, samples.rows));
   }
   try {
-    (void)identify::require_rest(samples);
+    std::vector<std::size_t> axes = identify::axes_called("all", samples.axis_count);
+    const std::vector<std::string> doubts = identify::require_rest(samples, {}, axes);
+    if (axes.size() < samples.axis_count) throw recording::DataError(doubts.front());
   } catch (const recording::DataError& error) {
     const std::string sentence = error.what();
     const std::string fault = sentence.substr(0, sentence.find(". Say when it stood"));
@@ -83,8 +85,8 @@ Fits fit_recording(const std::filesystem::path& path, FitBy fit_by,
   recording::Reader reader{input_of(path, options)};
   const identify::RestSamples samples = identify::read_rest_samples(reader);
   const std::string recording = path.filename().string();
-  require_rest(samples, path.string());
   const auto axes = identify::axes_called(options.axis, samples.axis_count);
+  require_rest(samples, path.string());
   const auto extended = fit_by == FitBy::diagnosis
                             ? diagnosed(samples, recording)
                             : characterized(samples, recording, std::nullopt);

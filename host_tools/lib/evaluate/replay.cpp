@@ -5,6 +5,7 @@
 #include <deque>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -105,7 +106,11 @@ class Run {
     } else {
       stops_.end_stop(node_, kStart, result_);
     }
-    if (rest_) result_.rest_doubts = identify::require_rest(rest_->doubts(), accepted_);
+    if (rest_) {
+      std::vector<std::size_t> axes(result_.axis_count);
+      std::iota(axes.begin(), axes.end(), std::size_t{0});
+      result_.rest_doubts = identify::require_rest(rest_->doubts(), accepted_, axes);
+    }
     node_.finish_learning();
     if (has_news()) tell_learnt(row.time_ns);
     result_.loop = feed.counters();

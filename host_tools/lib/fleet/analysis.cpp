@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #define XXH_INLINE_ALL
@@ -255,13 +256,36 @@ void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result) {
   }
 }
 
-std::vector<AxisResult> noise_of(const identify::RestSamples& all, std::string_view name) {
-  const identify::RestSamples samples = identify::measurements_of(all);
+PopulationSamples read_population_samples(const recording::Input& recording,
+                                          std::string_view axis) {
+  constexpr double kMostUnused = 0.1;
+  recording::Reader reader{recording};
+  PopulationSamples read{.recording = recording.path.filename().string(),
+                         .samples = identify::read_rest_samples(reader)};
+  read.axes = identify::axes_called(axis, read.samples.axis_count);
+  const std::size_t asked = read.axes.size();
+  const std::vector<std::string> doubts =
+      identify::require_rest(read.samples, identify::AcceptedDoubts{recording.accepted}, read.axes);
+  if (read.axes.size() < asked) read.axes_left_out = fmt::format("{}", fmt::join(doubts, ". "));
+  const auto left_out = read.samples.findings.left_out();
+  const double unused = static_cast<double>(left_out + read.samples.lost) /
+                        static_cast<double>(left_out + read.samples.rows);
+  if (unused > kMostUnused) {
+    throw recording::DataError(
+        fmt::format("{:.2g} % of the rows cannot be used: the sensor is not judged by the rest. "
+                    "'zerorate characterize' shows why",
+                    100.0 * unused));
+  }
+  return read;
+}
+
+std::vector<AxisResult> noise_of(const PopulationSamples& recording) {
+  const identify::RestSamples samples = identify::measurements_of(recording.samples);
   const core::Duration period = samples.mean_period;
   const core::Duration tick = identify::identification_tick(samples);
   const auto ticks = identify::average_ticks(samples, tick);
   std::vector<AxisResult> axes;
-  for (const std::size_t axis : identify::axes_called(name, samples.axis_count)) {
+  for (const std::size_t axis : recording.axes) {
     AxisResult one{.axis = samples.axis_name(axis), .mean_rate_rad_s = mean_rate(samples, axis)};
     one.angle_random_walk_rad_per_sqrt_s = white_of_neighbours(ticks, axis, tick);
     measure_likelihood({ticks, period, tick, axis}, one);
@@ -272,31 +296,15 @@ std::vector<AxisResult> noise_of(const identify::RestSamples& all, std::string_v
   return axes;
 }
 
-identify::RestSamples read_population_samples(const recording::Input& recording) {
-  constexpr double kMostUnused = 0.1;
-  recording::Reader reader{recording};
-  identify::RestSamples samples = identify::read_rest_samples(reader);
-  static_cast<void>(identify::require_rest(samples, identify::AcceptedDoubts{recording.accepted}));
-  const auto left_out = samples.findings.left_out();
-  const double unused =
-      static_cast<double>(left_out + samples.lost) / static_cast<double>(left_out + samples.rows);
-  if (unused > kMostUnused) {
-    throw recording::DataError(
-        fmt::format("{:.2g} % of the rows cannot be used: the sensor is not judged by the rest. "
-                    "'zerorate characterize' shows why",
-                    100.0 * unused));
-  }
-  return samples;
-}
-
-RecordingResult analyse(const recording::Input& recording, std::string_view axis) {
-  const identify::RestSamples samples = read_population_samples(recording);
-  const std::vector<std::size_t> axes = identify::axes_called(axis, samples.axis_count);
-  const identify::Characterization characterization = identify::characterize(
-      samples, {.recording = recording.path.filename().string(), .axes = axes});
+RecordingResult analyse(const PopulationSamples& recording) {
+  const identify::RestSamples& samples = recording.samples;
+  const std::vector<std::size_t>& axes = recording.axes;
+  const identify::Characterization characterization =
+      identify::characterize(samples, {.recording = recording.recording, .axes = axes});
   RecordingResult result{.rows = samples.rows,
                          .sample_period_s = units::seconds(characterization.sample_period.ns()),
-                         .rest_s = characterization.rest_s};
+                         .rest_s = characterization.rest_s,
+                         .axes_left_out = recording.axes_left_out};
   const auto ticks =
       identify::average_ticks(identify::measurements_of(samples), characterization.tick);
   for (std::size_t i = 0; i < axes.size(); ++i) {

@@ -84,6 +84,7 @@ struct RecordingResult {
   double sample_period_s = 0.0;
   double rest_s = 0.0;
   std::vector<AxisResult> axes;
+  std::string axes_left_out;  ///< why axes that were asked for are missing; empty where none is
 };
 
 /// Likelihood of one axis on the grid, by the node's own filter: the white noise is a scale of all
@@ -92,22 +93,28 @@ struct RecordingResult {
 /// Cost: one pass of the filter a cell.
 void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result);
 
-/// Mean rate and likelihood of axes, without a diagnosis: an end-of-line test has no time for one.
-/// N is the likeliest on the grid.
-/// @param axis  x, y, z or all
-[[nodiscard]] std::vector<AxisResult> noise_of(const identify::RestSamples& all,
-                                               std::string_view axis = "all");
+/// Samples of a recording at rest, as far as a sensor can be judged by them.
+struct PopulationSamples {
+  std::string recording;  ///< file name
+  identify::RestSamples samples;
+  std::vector<std::size_t> axes;  ///< those asked for that measured
+  std::string axes_left_out;      ///< as in RecordingResult
+};
 
-/// Samples of a recording at rest, as far as a sensor can be judged by them. Throws
-/// recording::DataError for one that is not at rest, and where more than 10 % of the rows cannot be
-/// used.
-[[nodiscard]] identify::RestSamples read_population_samples(const recording::Input& recording);
+/// Reads a recording.
+/// @param axis  x, y, z or all
+/// Throws recording::DataError for a recording that is not at rest, where no axis measured, and
+/// where more than 10 % of the rows cannot be used.
+[[nodiscard]] PopulationSamples read_population_samples(const recording::Input& recording,
+                                                        std::string_view axis = "all");
+
+/// Mean rate and likelihood of the axes, without a diagnosis: an end-of-line test has no time for
+/// one. N is the likeliest on the grid.
+[[nodiscard]] std::vector<AxisResult> noise_of(const PopulationSamples& recording);
 
 /// Characterizes and diagnoses a recording. Deterministic: a pure function of the samples.
-/// @param axis  x, y, z or all
-/// Throws recording::DataError for a recording that cannot be used, as of a sensor that was turned.
-[[nodiscard]] RecordingResult analyse(const recording::Input& recording,
-                                      std::string_view axis = "all");
+/// Throws recording::DataError for a recording that cannot be used, as one too short for a fit.
+[[nodiscard]] RecordingResult analyse(const PopulationSamples& recording);
 
 /// Hash of the content of a recording, 32 hexadecimal digits (XXH3, 128 bits); of a folder that of
 /// its files in the order of their names. Throws std::system_error.

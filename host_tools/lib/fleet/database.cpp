@@ -64,20 +64,19 @@ void Database::Closer::operator()(sqlite3* database) const {
 }
 
 Database::Database(const std::filesystem::path& path, Access access) : path_(path) {
+  if (access == Access::write) lock_ = std::make_unique<const WriterLock>(path);
   // Also to be read: what a process that was killed has left half is rolled back.
   const int flags = SQLITE_OPEN_READWRITE | (access == Access::write ? SQLITE_OPEN_CREATE : 0);
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_FULLMUTEX, nullptr);
   handle_.reset(handle);
   if (code != SQLITE_OK) fail(handle, path_);
-  constexpr int kPatience_ms = 2000;
-  sqlite3_busy_timeout(handle, kPatience_ms);
-  // Statement by statement, no reader comes between: who is killed leaves the journal to the next.
-  if (access == Access::write) {
-    execute(
-        "PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL; PRAGMA locking_mode = "
-        "EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT");
-  }
+  // A reader waits for a transaction, and a writer for readers, who read all recordings.
+  constexpr int kReaderPatience_ms = 10'000;
+  constexpr int kWriterPatience_ms = 600'000;
+  const bool writes = access == Access::write;
+  sqlite3_busy_timeout(handle, writes ? kWriterPatience_ms : kReaderPatience_ms);
+  execute(writes ? "PRAGMA journal_mode = DELETE; PRAGMA synchronous = FULL" : "BEGIN");
   check_engine(access);
 }
 

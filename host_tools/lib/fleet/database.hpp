@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tools/lib/fleet/analysis.hpp"
+#include "host_tools/lib/fleet/writer_lock.hpp"
 
 struct sqlite3;
 
@@ -60,8 +61,9 @@ class Database {
  public:
   enum class Access { read, write };
 
-  /// Opens a database, or makes one if it is to be written. Refuses a database of another engine:
-  /// results of two are not comparable.
+  /// Opens a database, or makes one if it is to be written. A reader sees it as it is at that
+  /// moment, also while another process writes to it. Refuses a database of another engine: results
+  /// of two are not comparable.
   Database(const std::filesystem::path& path, Access access);
 
   /// Remembers how recordings are read: options as typed, empty for none. Refuses a database whose
@@ -97,6 +99,8 @@ class Database {
   void execute(const std::string& statements) const;
 
   std::filesystem::path path_;
+  // Closing any descriptor of a file frees the process's locks of SQLite, so this one outlives it.
+  std::unique_ptr<const WriterLock> lock_;
   std::unique_ptr<sqlite3, Closer> handle_;
 };
 

@@ -258,10 +258,8 @@ std::string_view name(Judgement judgement) {
 namespace {
 
 /// Noise of the axes, with causes where the limits name some.
-std::vector<AxisResult> axes_for(const recording::Input& recording,
-                                 const identify::RestSamples& samples, const Limits& limits,
-                                 std::string_view axis) {
-  return limits.fail_on.empty() ? noise_of(samples, axis) : analyse(recording, axis).axes;
+std::vector<AxisResult> axes_for(const PopulationSamples& recording, const Limits& limits) {
+  return limits.fail_on.empty() ? noise_of(recording) : analyse(recording).axes;
 }
 
 /// Fails a sensor for causes that the limits name.
@@ -300,8 +298,9 @@ void judge_figures(Acceptance& acceptance) {
 
 }  // namespace
 
-Acceptance accept(const recording::Input& recording, const Limits& limits, std::string_view which) {
-  const identify::RestSamples samples = read_population_samples(recording);
+Acceptance accept(const recording::Input& input, const Limits& limits, std::string_view which) {
+  const PopulationSamples recording = read_population_samples(input, which);
+  const identify::RestSamples& samples = recording.samples;
   // Periods of the samples together. Stamps at the ends may hide one more.
   const double period_s = units::seconds(samples.mean_period.ns());
   Acceptance acceptance{.rest_s = period_s * static_cast<double>(samples.time.size())};
@@ -312,7 +311,11 @@ Acceptance accept(const recording::Input& recording, const Limits& limits, std::
                                              units::in_figures(limits.shortest_s, 4)));
     return acceptance;
   }
-  for (const AxisResult& axis : axes_for(recording, samples, limits, which)) {
+  if (!recording.axes_left_out.empty()) {
+    acceptance.judgement = Judgement::fail;
+    acceptance.reasons.push_back(recording.axes_left_out);
+  }
+  for (const AxisResult& axis : axes_for(recording, limits)) {
     judge_causes(axis, limits, acceptance);
     judge_noise(axis, limits, acceptance.figures);
     if (!limits.mean_rate_rad_s) continue;

@@ -84,10 +84,8 @@ class Fit {
     std::map<std::string, std::size_t> sensors;
     std::map<std::string, std::size_t> lots;
     database_.for_each([&](StoredRecording one) {
-      if (!one.problem.empty()) {
-        population_.bad.push_back(std::move(one));
-        return;
-      }
+      if (!one.problem.empty()) population_.bad.push_back(one);
+      if (one.result.axes.empty()) return;
       const std::size_t sensor = index_in(population_.sensors, sensors, one.entry.sensor);
       const std::size_t lot = index_in(population_.lots, lots, one.entry.lot);
       population_.sensors[sensor].lot = lot;
@@ -205,7 +203,6 @@ class Fit {
   void assess_all() {
     std::size_t member = 0;
     database_.for_each([&](const StoredRecording& one) {
-      if (!one.problem.empty()) return;
       for (const AxisResult& axis : one.result.axes) {
         Member& judged = population_.members[member];
         const AxisLikelihood likelihood =

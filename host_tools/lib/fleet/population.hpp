@@ -99,11 +99,11 @@ struct Population {
   std::vector<Lot> lots;
   std::vector<LotFigure> lot_figures;  ///< the least p-value first
   std::vector<EffectCount> effects;    ///< the most frequent first
-  std::vector<StoredRecording> bad;
-  std::vector<std::string> warnings;  ///< weaknesses of what the figures rest on
-  Normal distribution;                ///< distribution of the core
-  Point mean_error = Point::Zero();   ///< standard errors of the mean, sensors being independent
-  std::size_t core = 0;               ///< axes
+  std::vector<StoredRecording> bad;    ///< not used, or not with all axes
+  std::vector<std::string> warnings;   ///< weaknesses of what the figures rest on
+  Normal distribution;                 ///< distribution of the core
+  Point mean_error = Point::Zero();    ///< standard errors of the mean, sensors being independent
+  std::size_t core = 0;                ///< axes
   /// Weights of the cells of Grid over the core: nonparametric maximum likelihood.
   std::vector<double> weights;
   PopulationOptions options;

@@ -235,6 +235,7 @@ class Run {
     if (one.problem.empty()) {
       try {
         analyse_again_if_away(one);
+        one.problem = one.result.axes_left_out;
       } catch (const recording::DataError& error) {
         one.problem = error.what();
       } catch (const std::system_error& error) {
@@ -257,13 +258,13 @@ class Run {
     recording::Input input = options_.format;
     input.path = one.entry.path;
     try {
-      one.result = analyse(input, options_.axis);
+      one.result = analyse(read_population_samples(input, options_.axis));
     } catch (const recording::DataError&) {
       if (content_hash(one.entry.path) != one.hash) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again),
                                 one.entry.path.string() + ": changed while it was read");
       }
-      one.result = analyse(input, options_.axis);
+      one.result = analyse(read_population_samples(input, options_.axis));
     }
   }
 

@@ -24,8 +24,7 @@ namespace zerorate::fleet {
   const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
     throw std::runtime_error(path.string() +
-                             ": another process is writing to this database; give each worker one "
-                             "of its own and join them with zerorate fleet merge");
+                             ": another process has locked this database for too long");
   }
   throw std::runtime_error(
       path.string() + ": " +

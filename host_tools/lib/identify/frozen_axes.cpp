@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 #include "firmware/app/sample_watch.hpp"
 
@@ -21,6 +22,14 @@ float least_variance(const RestSamples& samples) {
   return std::isfinite(least) ? static_cast<float>(least) : 0.0F;
 }
 
+std::string sentence_on(const std::string& axis, std::size_t frozen, core::Duration until) {
+  return fmt::format(
+      "axis {} no longer measures: {} samples of it up to {:.6g} s repeat themselves as noise "
+      "does not (a dead axis, one at full scale, a driver that hangs, a logger that fills gaps). "
+      "Cut the recording to what was measured, or name the other axes: --axis",
+      axis, frozen, static_cast<double>(until.ns()) * 1e-9);
+}
+
 }  // namespace
 
 std::array<double, recording::kMaxAxes> variances_of_differences(const RestSamples& samples) {
@@ -34,7 +43,7 @@ std::array<double, recording::kMaxAxes> variances_of_differences(const RestSampl
   return variances;
 }
 
-std::optional<std::string> frozen_axis(const RestSamples& samples) {
+std::vector<RestDoubt> doubts_of_frozen_axes(const RestSamples& samples) {
   app::SampleWatch<recording::kMaxAxes> watch{least_variance(samples), samples.sample_period};
   std::array<std::size_t, recording::kMaxAxes> frozen{};
   std::array<std::size_t, recording::kMaxAxes> newest{};
@@ -50,15 +59,15 @@ std::optional<std::string> frozen_axis(const RestSamples& samples) {
       newest[i] = k;
     }
   }
-  const auto most = std::ranges::max_element(frozen);
-  if (*most == 0) return std::nullopt;
-  const auto axis = static_cast<std::size_t>(most - frozen.begin());
-  const core::Duration until = samples.time[newest[axis]] - samples.time.front();
-  return fmt::format(
-      "axis {} no longer measures: {} samples of it up to {:.6g} s repeat themselves as noise "
-      "does not (a dead axis, a driver that hangs, a logger that fills gaps). Cut the recording "
-      "to what was measured",
-      samples.axis_name(axis), *most, static_cast<double>(until.ns()) * 1e-9);
+  std::vector<RestDoubt> doubts;
+  for (std::size_t i = 0; i < samples.axis_count; ++i) {
+    if (frozen[i] == 0) continue;
+    const core::Duration until = samples.time[newest[i]] - samples.time.front();
+    doubts.push_back({.name = doubt::kFrozen,
+                      .sentence = sentence_on(samples.axis_name(i), frozen[i], until),
+                      .axis = i});
+  }
+  return doubts;
 }
 
 }  // namespace zerorate::identify

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <array>
-#include <optional>
-#include <string>
+#include <vector>
 
+#include "host_tools/lib/identify/rest_doubt.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::identify {
@@ -14,8 +14,8 @@ namespace zerorate::identify {
 [[nodiscard]] std::array<double, recording::kMaxAxes> variances_of_differences(
     const RestSamples& samples);
 
-/// Sentence about the axis that repeats itself for the longest time, by the judgement of the
-/// firmware (app::SampleWatch); nothing where all axes measure. Linear in the samples.
-[[nodiscard]] std::optional<std::string> frozen_axis(const RestSamples& samples);
+/// A doubt of each axis that repeats itself as noise does not, by the judgement of the firmware
+/// (app::SampleWatch). Linear in the samples.
+[[nodiscard]] std::vector<RestDoubt> doubts_of_frozen_axes(const RestSamples& samples);
 
 }  // namespace zerorate::identify

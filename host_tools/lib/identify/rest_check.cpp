@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -212,13 +213,14 @@ std::vector<RestDoubt> doubts_of_rest(const RestSamples& all) {
   std::string period = recording::doubt_of_period(typical_period(samples).ns());
   if (!samples.is_timed_by_rows && !period.empty()) put_first(doubt::kPeriod, std::move(period));
   put_first(doubt::kSensors, sensors_in_turn(samples));
-  put_first(doubt::kFrozen, frozen_axis(all));
+  std::ranges::move(doubts_of_frozen_axes(all), std::inserter(doubts, doubts.begin()));
   put_first(doubt::kAngles, angles_not_rates(samples));
   return doubts;
 }
 
-std::vector<std::string> require_rest(const RestSamples& samples, const AcceptedDoubts& accepted) {
-  return require_rest(doubts_of_rest(samples), accepted);
+std::vector<std::string> require_rest(const RestSamples& samples, const AcceptedDoubts& accepted,
+                                      std::vector<std::size_t>& axes) {
+  return require_rest(doubts_of_rest(samples), accepted, axes);
 }
 
 namespace {

@@ -64,7 +64,8 @@ class RestCheck {
 
 /// require_rest() of doubts_of_rest().
 [[nodiscard]] std::vector<std::string> require_rest(const RestSamples& samples,
-                                                    const AcceptedDoubts& accepted = {});
+                                                    const AcceptedDoubts& accepted,
+                                                    std::vector<std::size_t>& axes);
 
 /// Samples at rest that the node's own judgement of the calm (core::CalmJudge) would not learn
 /// from.

@@ -40,13 +40,18 @@ bool AcceptedDoubts::has(std::string_view name) const {
 }
 
 std::vector<std::string> require_rest(const std::vector<RestDoubt>& doubts,
-                                      const AcceptedDoubts& accepted) {
+                                      const AcceptedDoubts& accepted,
+                                      std::vector<std::size_t>& axes) {
   std::vector<std::string> remarks;
   for (const RestDoubt& doubt : doubts) {
-    if (accepted.has(doubt.name)) continue;
+    const bool is_of_others = doubt.axis && std::ranges::find(axes, *doubt.axis) == axes.end();
+    if (is_of_others || accepted.has(doubt.name)) continue;
     std::string sentence =
         fmt::format("{}. If it is right as it is: --accept {}", doubt.sentence, doubt.name);
-    if (doubt.is_certain) throw recording::DataError(sentence);
+    if (doubt.is_certain) {
+      if (!doubt.axis || axes.size() == 1) throw recording::DataError(sentence);
+      std::erase(axes, *doubt.axis);
+    }
     remarks.push_back(std::move(sentence));
   }
   return remarks;

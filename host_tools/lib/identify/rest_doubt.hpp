@@ -2,6 +2,8 @@
 /// Reasons to doubt a recording at rest, and the user's word that overrules them.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +26,7 @@ struct RestDoubt {
   std::string_view name;   ///< for the user who overrules it, one of doubt_names()
   std::string sentence;    ///< with the figure that shows it, and what to do
   bool is_certain = true;  ///< results would mean nothing
+  std::optional<std::size_t> axis = std::nullopt;  ///< the only axis in doubt; otherwise all are
 };
 
 /// Names of doubts that a user overrules, as typed: "counts,motion".
@@ -41,8 +44,12 @@ class AcceptedDoubts {
 /// "counts, unit, angles ...".
 [[nodiscard]] std::string doubt_names();
 
-/// Throws recording::DataError with the first certain doubt; returns the sentences of the others.
-/// Each names the option that overrules it. Accepted doubts are none.
+/// Judges the axes that a user wants. An axis of which a doubt is certain is left out as long as
+/// another one remains. Accepted doubts, and those of axes that nobody wants, are none.
+/// @param axes  indices; those left out are taken away
+/// @return sentences of doubts that leave something to do; each names the option that overrules it
+/// Throws recording::DataError with the first doubt that is certain and leaves no axis.
 [[nodiscard]] std::vector<std::string> require_rest(const std::vector<RestDoubt>& doubts,
-                                                    const AcceptedDoubts& accepted = {});
+                                                    const AcceptedDoubts& accepted,
+                                                    std::vector<std::size_t>& axes);
 }  // namespace zerorate::identify

@@ -297,8 +297,7 @@ TEST_F(FleetStatistics, WhiteNoiseIsThatOfTheSamples) {
                  path("fleet"), {});
   double sum = 0.0;
   for (const Entry& entry : list_recordings(path("fleet"))) {
-    recording::Reader reader{recording::Input{entry.path}};
-    for (const AxisResult& axis : noise_of(identify::read_rest_samples(reader))) {
+    for (const AxisResult& axis : noise_of(read_population_samples(recording::Input{entry.path}))) {
       const AxisLikelihood likelihood = likelihood_of(axis);
       const auto best = std::ranges::max_element(likelihood.points, {}, &GridPoint::log_likelihood);
       sum += double{best->position[0]} - std::log(kWhite_dps * units::kRadPerDeg);
@@ -360,7 +359,8 @@ TEST_F(Fleet, RecordingIsAcceptedByLimitsThatItKeepsOnly) {
 TEST_F(Fleet, RandomWalkThatAnotherOrderExplainsIsNotCounted) {
   simulate_fleet({.sensors = 4, .lots = 1, .seed = 21, .hidden_share = 0.0, .bad_lot_factor = 1.0},
                  path("fleet"), {});
-  const RecordingResult result = analyse(path("fleet/S00004-1.csv.gz"));
+  const RecordingResult result =
+      analyse(read_population_samples(recording::Input{path("fleet/S00004-1.csv.gz")}));
   std::size_t walks = 0;
   for (const AxisResult& axis : result.axes) {
     for (const Cause& cause : axis.causes) {

@@ -205,10 +205,11 @@ std::optional<double> walk_of(const Rows& rows, std::string& reason) {
   try {
     recording::Reader reader{folder.write("run.csv", text)};
     const RestSamples samples = read_rest_samples(reader);
+    std::vector<std::size_t> axes{0};
     reason = fmt::format("{} doubts, {}, {} of {} rows left out, {} outliers, {} ns a sample",
-                         require_rest(samples).size(), recording::doubt_of_rows(samples.findings),
-                         samples.findings.left_out(), samples.rows, find_outliers(samples).size(),
-                         samples.mean_period.ns());
+                         require_rest(samples, {}, axes).size(),
+                         recording::doubt_of_rows(samples.findings), samples.findings.left_out(),
+                         samples.rows, find_outliers(samples).size(), samples.mean_period.ns());
     const auto result = characterize(samples, {.recording = "run", .axes = {0}, .order = 0.5});
     return result.axes[0].fit.angle_random_walk_rad_per_sqrt_s.value * 57.29577951308232;
   } catch (const recording::DataError& error) {

@@ -55,6 +55,12 @@ std::string doubt_names_typed() {
   return names;
 }
 
+/// Remarks on the axes, all of which are wanted.
+std::vector<std::string> remarks(const RestSamples& rest, const AcceptedDoubts& accepted = {}) {
+  std::vector<std::size_t> axes{0, 1, 2};
+  return require_rest(rest, accepted, axes);
+}
+
 /// A turn of at most 40 deg/s for four seconds, every twenty.
 double turns(double t) {
   const double phase_s = std::fmod(t, 20.0) - 10.0;
@@ -86,12 +92,13 @@ TEST(AcceptedDoubt, IsNone) {
   RestSamples rest = samples([](double) { return 0.3; });
   for (auto& rates : rest.rate_rad_s) rates[2] = static_cast<float>(rates[2] > 0.0F);
   try {
-    static_cast<void>(require_rest(rest));
+    std::vector<std::size_t> axes{2};
+    static_cast<void>(require_rest(rest, {}, axes));
     FAIL();
   } catch (const recording::DataError& error) {
     EXPECT_THAT(error.what(), HasSubstr("--accept "));
   }
-  EXPECT_EQ(require_rest(rest, AcceptedDoubts{doubt_names_typed()}).size(), 0);
+  EXPECT_THAT(remarks(rest, AcceptedDoubts{doubt_names_typed()}), IsEmpty());
   EXPECT_THROW(AcceptedDoubts{"count"}, std::invalid_argument);
 }
 
@@ -99,7 +106,27 @@ TEST(GyroWithAFrozenAxis, IsToldWithItsAxis) {
   RestSamples rest = samples([](double) { return 0.3; });
   for (std::size_t k = 15'000; k < rest.rate_rad_s.size(); ++k) rest.rate_rad_s[k][2] = 0.0F;
   EXPECT_THAT(sentences(rest, true), ElementsAre(HasSubstr("axis z no longer measures: 4")));
-  EXPECT_THROW(static_cast<void>(require_rest(rest)), recording::DataError);
+  std::vector<std::size_t> axes{2};
+  EXPECT_THROW(static_cast<void>(require_rest(rest, {}, axes)), recording::DataError);
+}
+
+TEST(GyroWithAFrozenAxis, KeepsItsOtherAxes) {
+  RestSamples rest = samples([](double) { return 0.3; });
+  for (auto& rates : rest.rate_rad_s) rates[2] = 34.9F;
+  std::vector<std::size_t> all{0, 1, 2};
+  EXPECT_THAT(require_rest(rest, {}, all), ElementsAre(HasSubstr("axis z no longer measures")));
+  EXPECT_THAT(all, ElementsAre(0, 1));
+  std::vector<std::size_t> one{0};
+  EXPECT_THAT(require_rest(rest, {}, one), IsEmpty()) << "nobody asked for z";
+  EXPECT_THAT(one, ElementsAre(0));
+}
+
+TEST(GyroWithFrozenAxesAlone, IsRefused) {
+  RestSamples rest = samples([](double) { return 0.3; });
+  for (std::size_t k = 10'000; k < rest.rate_rad_s.size(); ++k) {
+    rest.rate_rad_s[k] = rest.rate_rad_s[9'999];
+  }
+  EXPECT_THROW(static_cast<void>(remarks(rest)), recording::DataError);
 }
 
 TEST(CoarseGyroAtRest, IsNotTakenForAFrozenOne) {
@@ -122,7 +149,7 @@ TEST(GyroThatWasTurned, IsToldWithShareAndRate) {
   // The mean over the half second before the crest: 40 cos(3 pi / 8) / (pi / 8) = 38.98.
   EXPECT_THAT(certain[0], HasSubstr("39 deg/s"));
   EXPECT_THAT(certain[0], HasSubstr("--still-from gyro"));
-  EXPECT_THROW(static_cast<void>(require_rest(samples(turns))), recording::DataError);
+  EXPECT_THROW(static_cast<void>(remarks(samples(turns))), recording::DataError);
   RestSamples separated = samples(turns);
   separated.moving = 100;
   EXPECT_THAT(sentences(separated, true), ElementsAre(HasSubstr("cut the recording to its rest")));
@@ -132,7 +159,7 @@ TEST(GyroThatWasTurnedOnce, IsTold) {
   const auto rest = samples([](double t) { return t > 50.0 && t < 53.0 ? 20.0 : 0.0; });
   EXPECT_THAT(sentences(rest, true), IsEmpty());
   EXPECT_THAT(sentences(rest, false), ElementsAre(HasSubstr("by up to 20 deg/s")));
-  EXPECT_EQ(require_rest(rest).size(), 1);
+  EXPECT_EQ(remarks(rest).size(), 1);
 }
 
 TEST(GyroThatWasTurned, IsSeparatedByItsOwnCalm) {
