@@ -98,7 +98,7 @@ struct PopulationSamples {
   std::string recording;  ///< file name
   identify::RestSamples samples;
   std::vector<std::size_t> axes;  ///< those asked for that measured
-  std::string axes_left_out;      ///< as in RecordingResult
+  std::string axes_left_out;      ///< reason, as RecordingResult has it
 };
 
 /// Reads a recording.

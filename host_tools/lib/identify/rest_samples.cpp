@@ -37,6 +37,7 @@ class RestFilter {
     }
     row_before_ = at;
     if (!is_usable(row, at)) {
+      count_lost_rates(row);
       ++samples_.lost;
     } else if (has_motion_column() && !standstill_.is_settled(at)) {
       ++samples_.moving;
@@ -58,6 +59,11 @@ class RestFilter {
   void take_levels_on_the_move(const recording::Row& row) {
     for (std::size_t i = 0; i < columns_.axis_count; ++i) {
       samples_.levels_on_the_move[i].take(row.rate_rad_s[i]);
+    }
+  }
+  void count_lost_rates(const recording::Row& row) {
+    for (std::size_t i = 0; i < columns_.axis_count; ++i) {
+      if (!std::isfinite(row.rate_rad_s[i])) ++samples_.lost_rates[i];
     }
   }
   [[nodiscard]] bool has_motion_column() const { return columns_.odometer || columns_.still; }
@@ -169,6 +175,21 @@ void leave_out_wild_start(RestSamples& samples) {
   samples.wild = wild;
 }
 
+/// Throws recording::DataError where too little is left.
+void require_samples(const RestSamples& samples) {
+  if (const std::uint64_t used = samples.rows - samples.lost; 2 * used < samples.rows) {
+    const auto* const worst = std::ranges::max_element(samples.lost_rates);
+    const auto axis = static_cast<std::size_t>(worst - samples.lost_rates.begin());
+    throw recording::DataError(fmt::format(
+        "{} of {} rows have no rate on all axes, and axis {} has none in {}: too few are left. One "
+        "of the other axes alone: --columns rate=NAME",
+        samples.lost, samples.rows, samples.axis_name(axis), *worst));
+  }
+  if (samples.time.size() < 2) {
+    throw recording::DataError("the recording has fewer than two usable samples at rest");
+  }
+}
+
 }  // namespace
 
 RestSamples without(RestSamples rest, const std::vector<std::size_t>& indices) {
@@ -229,13 +250,7 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   samples.sample_period = core::Duration::nanoseconds(samples.findings.median_interval_ns());
   samples.mean_period = core::Duration::nanoseconds(samples.findings.mean_interval_ns());
   leave_out_wild_start(samples);
-  if (samples.time.size() < 2) {
-    throw recording::DataError("the recording has fewer than two usable samples at rest");
-  }
-  if (const std::uint64_t used = samples.rows - samples.lost; 2 * used < samples.rows) {
-    throw recording::DataError(fmt::format(
-        "{} of {} rows have no rate on all axes: too few are left", samples.lost, samples.rows));
-  }
+  require_samples(samples);
   find_lost_samples(samples);
   return samples;
 }

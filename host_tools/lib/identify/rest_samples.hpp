@@ -42,10 +42,12 @@ struct RestSamples {
   /// Values near zero in rows with motion, of each axis.
   std::array<LevelsNearZero, recording::kMaxAxes> levels_on_the_move;
 
-  core::Duration paused;       ///< clock steps and long pauses between samples, together
-  std::uint64_t rows = 0;      ///< rows of the recording
-  std::uint64_t moving = 0;    ///< rows left out because the vehicle moved or was about to
-  std::uint64_t lost = 0;      ///< rows left out because a rate is missing or time does not advance
+  core::Duration paused;     ///< clock steps and long pauses between samples, together
+  std::uint64_t rows = 0;    ///< rows of the recording
+  std::uint64_t moving = 0;  ///< rows left out because the vehicle moved or was about to
+  std::uint64_t lost = 0;    ///< rows left out because a rate is missing or time does not advance
+  /// Rows whose rate of an axis is empty, nan or infinite.
+  std::array<std::uint64_t, recording::kMaxAxes> lost_rates{};
   std::uint64_t wild = 0;      ///< rows left out because the gyro did not measure after power-on
   std::uint64_t outliers = 0;  ///< rows left out by measurements_of(): find_outliers()
   std::uint64_t repeated = 0;  ///< rows left out by without_repeats()
