@@ -44,6 +44,7 @@ using PlayRecording =
 [[nodiscard]] Command add_simulate(CLI::App& app);
 [[nodiscard]] Command add_characterize(CLI::App& app);
 [[nodiscard]] Command add_evaluate(CLI::App& app);
+[[nodiscard]] Command add_compare(CLI::App& app);
 [[nodiscard]] Command add_diagnose(CLI::App& app);
 /// @param open_page  nullptr: this build has none
 [[nodiscard]] Command add_monitor(CLI::App& app, const OpenPage& open_page = nullptr);

@@ -52,7 +52,8 @@ std::vector<Command> add_commands(CLI::App& app) {
           add_probe(app),        add_record(app),
           add_simulate(app),     add_odometer(app),
           add_convert(app),      add_fleet(app),
-          add_accept(app),       add_calibrate(app, play_recording)};
+          add_accept(app),       add_calibrate(app, play_recording),
+          add_compare(app)};
 }
 
 }  // namespace zerorate::cli

@@ -30,9 +30,7 @@ void add_truth_flags(CLI::App& app, TruthFlags& flags) {
       ->capture_default_str();
 }
 
-std::optional<truth::Truth> read_truth(const recording::Input& input, const TruthFlags& flags) {
-  // A pipe can be read once only.
-  if (!std::filesystem::is_regular_file(input.path)) return std::nullopt;
+truth::TruthOptions to_truth_options(const TruthFlags& flags) {
   truth::TruthOptions options{.usable_from_s = flags.reference_from_s};
   if (!flags.vertical_axis.empty()) {
     options.vertical = truth::parse_vertical_axis(flags.vertical_axis);
@@ -40,8 +38,14 @@ std::optional<truth::Truth> read_truth(const recording::Input& input, const Trut
   if (flags.reference_error_deg) {
     options.reference_error_rad = *flags.reference_error_deg * kRadPerDeg;
   }
+  return options;
+}
+
+std::optional<truth::Truth> read_truth(const recording::Input& input, const TruthFlags& flags) {
+  // A pipe can be read once only.
+  if (!std::filesystem::is_regular_file(input.path)) return std::nullopt;
   recording::Reader reader{input};
-  return truth::read_truth(reader, options);
+  return truth::read_truth(reader, to_truth_options(flags));
 }
 
 void add_learn_flag(CLI::App& app, TruthFlags& flags) {

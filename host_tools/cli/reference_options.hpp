@@ -26,6 +26,8 @@ struct TruthFlags {
 };
 
 void add_truth_flags(CLI::App& app, TruthFlags& flags);
+/// Throws std::invalid_argument.
+[[nodiscard]] truth::TruthOptions to_truth_options(const TruthFlags& flags);
 
 /// The true drives of a recording; nullopt where it has no reference columns, or cannot be read
 /// twice. Throws std::invalid_argument, recording::Error, recording::DataError.

@@ -312,7 +312,7 @@ class Run {
   std::uint32_t biases_tick_ = 0;
   bool biases_stale_ = true;
   std::uint32_t told_ticks_ = 0;  ///< measured ticks at the last report of what was learnt
-  StopJudge<Node> stops_;
+  StopJudge<Node> stops_{observer_.on_stop};
   std::optional<identify::RestCheck> rest_;
   std::optional<TrueDriveScorer> true_drives_;
 };

@@ -95,6 +95,14 @@ struct ReplayedDrive {
   DriveOutcome outcome;
 };
 
+/// The first seconds of a stop against what was predicted before it.
+struct ReplayedStop {
+  std::array<double, 3> measured_rad_s{};
+  /// Measured bias less the predicted one, by axis and predictor; NaN where there was none.
+  std::array<std::array<double, app::kPredictors>, 3> error_rad_s{};
+  std::array<std::array<double, app::kPredictors>, 3> sigma_rad_s{};  ///< as StopScores::add()
+};
+
 /// Scale factor and offset that references taught a node by the end, and their outcomes.
 struct LearntMotion {
   double scale_factor = 0.0;  ///< error of it; 0.01: 1 % too much
@@ -127,6 +135,7 @@ struct ReplayObserver {
   std::optional<truth::Truth> truth;
   std::function<void(const ReplayedSample&)> on_sample;
   std::function<void(const ReplayedDrive&)> on_drive;
+  std::function<void(const ReplayedStop&)> on_stop;
   /// Called at the end of each stop and of the recording, if something was learnt since.
   std::function<void(const LearntStop&)> on_learnt;
   /// Called now and then with the share of the recording that is done, if known.

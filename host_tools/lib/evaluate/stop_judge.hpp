@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <optional>
 
 #include "host_tools/lib/evaluate/replay.hpp"
@@ -21,6 +23,8 @@ namespace zerorate::evaluate {
 template <class Node>
 class StopJudge {
  public:
+  explicit StopJudge(const std::function<void(const ReplayedStop&)>& on_stop) : on_stop_(on_stop) {}
+
   /// Called before the node's first sample of the stop.
   void begin_stop(const Node& node) {
     (void)copy_learnt(node, before_);
@@ -50,18 +54,23 @@ class StopJudge {
     const core::Instant from = start + tick * std::int64_t{*first_tick_};
     const core::Instant to = start + tick * std::int64_t{node.measured_ticks()};
     const double length_s = (to - from).in_seconds();
+    ReplayedStop stop;
     for (std::size_t i = 0; i < result.axis_count; ++i) {
       const double measured =
           double{node.bias(app::Predictor::calibration_mean, i).in(core::rad_per_s)};
       const double white = white_rad2_s(node, i) / length_s;
+      stop.measured_rad_s[i] = measured;
+      stop.error_rad_s[i].fill(std::numeric_limits<double>::quiet_NaN());
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
         const auto predicted = before_->predict_heading(kAllPredictors[p], i, from, to);
         if (!predicted.is_available()) continue;
         const double variance = double{predicted.variance_rad2} / (length_s * length_s) + white;
-        result.stop_scores[i][p].add(measured - double{predicted.angle_rad} / length_s,
-                                     std::sqrt(variance), length_s);
+        stop.error_rad_s[i][p] = measured - double{predicted.angle_rad} / length_s;
+        stop.sigma_rad_s[i][p] = std::sqrt(variance);
+        result.stop_scores[i][p].add(stop.error_rad_s[i][p], stop.sigma_rad_s[i][p], length_s);
       }
     }
+    if (on_stop_) on_stop_(stop);
     before_.reset();
   }
 
@@ -91,6 +100,7 @@ class StopJudge {
     copy->finish_learning();
     return *copy;
   }
+  const std::function<void(const ReplayedStop&)>& on_stop_;
   std::optional<Node> before_;               ///< node before the stop, until that is judged
   std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
   std::uint32_t enough_ticks_ = 0;           ///< from the first one on
