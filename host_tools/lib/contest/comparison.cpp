@@ -137,7 +137,7 @@ class Watch {
   ExponentialMean mean_;
   std::vector<truth::Drive> drives_;
   truth::VerticalAxis vertical_;
-  std::vector<double> ahead_rad_s_;  ///< by drive: exponential mean over the last stop's mean
+  std::vector<double> ahead_rad_s_;  ///< exponential mean less that of the last stop, at departure
 };
 
 LogErrors errors_of(const std::string& log, const ComparisonOptions& options,
