@@ -106,8 +106,17 @@ void OrderedRows::judge_backwards() {
 }
 
 bool OrderedRows::is_wrap() {
-  const std::int64_t before_ns = latest_ns_ - offset_ns_;
-  Row& row = ahead_[judged_].row;
+  const std::optional<std::int64_t> range_ns = range_of_wrap(latest_ns_);
+  if (!range_ns) return false;
+  offset_ns_ += *range_ns;
+  ahead_[judged_].row.findings.add(Finding::counter_wrapped);
+  judge_next();
+  return true;
+}
+
+std::optional<std::int64_t> OrderedRows::range_of_wrap(std::int64_t latest_ns) const {
+  const std::int64_t before_ns = latest_ns - offset_ns_;
+  const Row& row = ahead_[judged_].row;
   for (const Counter& counter : kCounters) {
     const std::int64_t range_ns = counter.range_ns();
     const std::int64_t interval_ns = row.time_ns + range_ns - before_ns;
@@ -116,16 +125,12 @@ bool OrderedRows::is_wrap() {
                                (before_ns < range_ns / 2 && row.time_ns >= -range_ns / 2 &&
                                 row.time_ns < 0 && before_ns > 0);
     const bool is_sample = interval_ns >= period_ns_ / 2 && interval_ns <= 2 * period_ns_;
-    if (!(is_at_its_end && interval_ns <= 10 * period_ns_) &&
-        !(is_sample && range_ns > 1'000 * period_ns_)) {
-      continue;
+    if ((is_at_its_end && interval_ns <= 10 * period_ns_) ||
+        (is_sample && range_ns > 1'000 * period_ns_)) {
+      return range_ns;
     }
-    offset_ns_ += range_ns;
-    row.findings.add(Finding::counter_wrapped);
-    judge_next();
-    return true;
   }
-  return false;
+  return std::nullopt;
 }
 
 std::int64_t OrderedRows::on_time_line(const Row& row) const {
@@ -179,19 +184,28 @@ bool OrderedRows::continues(std::int64_t from_ns, std::int64_t to_ns, std::size_
 }
 
 bool OrderedRows::leave_out_stray(std::size_t later, std::size_t end) {
-  const std::size_t ahead = judged_ - later;
   if (end < ahead_.size() && end - judged_ <= kMostStray &&
       continues(latest_ns_, on_time_line(ahead_[end].row), end - judged_)) {
     leave_out(judged_, end);
     return true;
   }
-  if (ahead > kMostStray || end < ahead_.size() || later == 0) return false;
-  const std::int64_t before_ns = later > begin_ ? ahead_[later - 1].row.time_ns : given_ns_;
-  if (!continues(before_ns, on_time_line(ahead_[judged_].row), ahead)) return false;
-  leave_out(later, judged_);
-  judged_ = later;
-  latest_ns_ = before_ns;
-  return true;
+  // Late rows that lead to the latest stamp show that it was only early.
+  const bool is_early =
+      end < ahead_.size() && latest_ns_ - on_time_line(ahead_[end - 1].row) <= longest_step_ns_;
+  if (is_early) return false;
+  for (std::size_t ahead = 1; ahead <= std::min(kMostStray, judged_); ++ahead) {
+    const std::size_t first = judged_ - ahead;
+    if (first < begin_ || first == 0) return false;
+    const std::int64_t before_ns = first > begin_ ? ahead_[first - 1].row.time_ns : given_ns_;
+    const bool goes_on =
+        first == later && continues(before_ns, on_time_line(ahead_[judged_].row), ahead);
+    if (!goes_on && !range_of_wrap(before_ns)) continue;
+    leave_out(first, judged_);
+    judged_ = first;
+    latest_ns_ = before_ns;
+    return true;
+  }
+  return false;
 }
 
 void OrderedRows::leave_out(std::size_t first, std::size_t end) {

@@ -54,6 +54,8 @@ class OrderedRows : public RowSource {
   void judge_next();
   void judge_backwards();
   [[nodiscard]] bool is_wrap();
+  /// Range of the counter that began again between a time and the judged row, if one did.
+  [[nodiscard]] std::optional<std::int64_t> range_of_wrap(std::int64_t latest_ns) const;
   /// Stamp on the time line; the end of 64 bits where it lies beyond.
   [[nodiscard]] std::int64_t on_time_line(const Row& row) const;
   [[nodiscard]] std::int64_t earliest_until(std::size_t end) const;
