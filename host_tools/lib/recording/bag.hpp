@@ -2,6 +2,7 @@
 /// A bag of ROS 1 or ROS 2: its topics, and their messages as bytes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,18 +21,26 @@ namespace zerorate::recording {
 /// packed fields in little-endian order in ROS 1.
 enum class Serialization : std::uint8_t { cdr, ros1 };
 
+/// Messages that are read.
+enum class MessageType : std::uint8_t { imu, odometry, twist_stamped, twist };
+
 /// Differences between the bags of the two.
 struct BagFormat {
   Serialization serialization;
-  std::string_view name;  ///< for messages
-  std::string_view imu_type;
-  std::string_view odometry_type;
-  std::string_view info_command;  ///< shows its user what a bag holds
+  std::string_view name;                  ///< for messages
+  std::array<std::string_view, 4> types;  ///< names of MessageType, in its order
+  std::string_view info_command;          ///< shows its user what a bag holds
 
-  [[nodiscard]] std::string_view type(Needs needs) const {
-    return needs == Needs::rates ? imu_type : odometry_type;
+  [[nodiscard]] std::string_view name_of(MessageType type) const {
+    return types.at(static_cast<std::size_t>(type));
   }
 };
+
+inline constexpr std::array<std::string_view, 4> kRos1Types{
+    "sensor_msgs/Imu", "nav_msgs/Odometry", "geometry_msgs/TwistStamped", "geometry_msgs/Twist"};
+inline constexpr std::array<std::string_view, 4> kRos2Types{
+    "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped",
+    "geometry_msgs/msg/Twist"};
 
 /// One message.
 struct BagMessage {
@@ -45,10 +54,10 @@ class Bag {
   virtual ~Bag() = default;
 
   [[nodiscard]] virtual const BagFormat& format() const = 0;
-  /// Names of the topics with messages for rates or motion, in alphabetical order.
-  [[nodiscard]] virtual std::vector<std::string> topics(Needs needs) = 0;
+  /// Names of the topics with messages of a type, in alphabetical order.
+  [[nodiscard]] virtual std::vector<std::string> topics(MessageType type) = 0;
   /// Begins with the first message of a topic; gives how many there are.
-  virtual std::uint64_t select(const std::string& topic, Needs needs) = 0;
+  virtual std::uint64_t select(const std::string& topic, MessageType type) = 0;
   /// Reads the next message, in the order of recording; false at the end.
   [[nodiscard]] virtual bool next(BagMessage& message) = 0;
   /// File of the message that was read last.
