@@ -79,7 +79,7 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       command
           .add_option("RECORDING", flags.recording,
                       "CSV or CSV.gz file, folder of EuRoC or KITTI, bag of ROS "
-                      "2 (.db3 or its folder) or ROS 1 (.bag); "
+                      "2 (.mcap, .db3 or its folder) or ROS 1 (.bag); "
                       "- for standard input")
           ->required();
   add_format_options(command, flags);

@@ -22,13 +22,14 @@ namespace zerorate::recording {
 enum class Serialization : std::uint8_t { cdr, ros1 };
 
 /// Messages that are read.
-enum class MessageType : std::uint8_t { imu, odometry, twist_stamped, twist };
+/// `bias` is not read: its topic shows that the node of ROS has corrected the rates beside it.
+enum class MessageType : std::uint8_t { imu, odometry, twist_stamped, twist, bias };
 
 /// Differences between the bags of the two.
 struct BagFormat {
   Serialization serialization;
   std::string_view name;                  ///< for messages
-  std::array<std::string_view, 4> types;  ///< names of MessageType, in its order
+  std::array<std::string_view, 5> types;  ///< names of MessageType, in its order
   std::string_view info_command;          ///< shows its user what a bag holds
 
   [[nodiscard]] std::string_view name_of(MessageType type) const {
@@ -36,11 +37,12 @@ struct BagFormat {
   }
 };
 
-inline constexpr std::array<std::string_view, 4> kRos1Types{
-    "sensor_msgs/Imu", "nav_msgs/Odometry", "geometry_msgs/TwistStamped", "geometry_msgs/Twist"};
-inline constexpr std::array<std::string_view, 4> kRos2Types{
+inline constexpr std::array<std::string_view, 5> kRos1Types{
+    "sensor_msgs/Imu", "nav_msgs/Odometry", "geometry_msgs/TwistStamped", "geometry_msgs/Twist",
+    "geometry_msgs/TwistWithCovarianceStamped"};
+inline constexpr std::array<std::string_view, 5> kRos2Types{
     "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped",
-    "geometry_msgs/msg/Twist"};
+    "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistWithCovarianceStamped"};
 
 /// One message.
 struct BagMessage {
@@ -64,13 +66,18 @@ class Bag {
   [[nodiscard]] virtual const std::filesystem::path& file() const = 0;
 };
 
-/// Opens a bag: a .db3 file, a folder of them, or a .bag file; null where the path is none of them.
-/// Throws Error, also for a .bag file where the build lacks the library for it.
+/// Opens a bag: a .db3 or .mcap file, a folder of them, or a .bag file; null where the path is none
+/// of them. Throws Error, also for a .bag file where the build lacks the library for it.
 [[nodiscard]] std::unique_ptr<Bag> open_bag(const std::filesystem::path& path);
 
 /// Opens the database of a bag of ROS 2, or all of its folder in the order of their messages; null
 /// where there is none. Throws Error.
 [[nodiscard]] std::unique_ptr<Bag> open_ros2_bag(const std::filesystem::path& path);
+
+/// Opens a bag of ROS 2 in MCAP, or all such files of its folder in the order of their messages;
+/// null where there is none. Chunks may be compressed by lz4 and zstd, where Debian's libraries are
+/// there. Throws Error.
+[[nodiscard]] std::unique_ptr<Bag> open_mcap_bag(const std::filesystem::path& path);
 
 /// Opens a bag of ROS 1. Throws Error. Only where Debian's librosbag-storage is there.
 [[nodiscard]] std::unique_ptr<Bag> open_ros1_bag(const std::filesystem::path& path);

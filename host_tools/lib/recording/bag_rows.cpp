@@ -136,6 +136,8 @@ void take_fields(FieldReader& message, MessageType type, Row& row) {
     case MessageType::twist_stamped:
     case MessageType::twist:
       return take_twist(message, row);
+    case MessageType::bias:
+      return;
   }
 }
 
@@ -155,6 +157,19 @@ Wanted wanted_for(Needs needs) {
   if (needs == Needs::rates) return {"--topic", {MessageType::imu}};
   return {"--odometry-topic",
           {MessageType::odometry, MessageType::twist_stamped, MessageType::twist}};
+}
+
+/// Refuses rates that the node of ROS has corrected, unless their user names them.
+void refuse_corrected(Bag& bag, const std::string& topic) {
+  constexpr std::string_view kData = "imu/data";
+  if (!topic.ends_with(kData)) return;
+  const std::string bias = topic.substr(0, topic.size() - kData.size()) + "imu/bias";
+  const std::vector<std::string> biases = bag.topics(MessageType::bias);
+  if (std::ranges::find(biases, bias) == biases.end()) return;
+  throw Error{{bag.file().string()},
+              fmt::format("{} beside {}: rates whose bias was already taken out", topic, bias),
+              "rates as the chip gave them",
+              fmt::format("Record imu/data_raw; to take them all the same, --topic {}.", topic)};
 }
 
 /// The topic that is meant: the one named, or the only one with such messages.
@@ -180,7 +195,10 @@ Topic choose_topic(Bag& bag, Needs needs, const std::string& named) {
                 fmt::format("See what the bag holds: {}.", bag.format().info_command)};
   }
   if (named.empty()) {
-    if (topics.size() == 1) return topics.front();
+    if (topics.size() == 1) {
+      if (needs == Needs::rates) refuse_corrected(bag, names.front());
+      return topics.front();
+    }
     throw Error{place, fmt::format("{} topics with messages of {}", topics.size(), type), list,
                 fmt::format("Name the one that is meant: {}.", wanted.option)};
   }
@@ -202,7 +220,10 @@ bool file_begins_with(const std::filesystem::path& file, std::string_view text) 
 }
 
 std::unique_ptr<Bag> open_bag(const std::filesystem::path& path) {
-  if (!file_begins_with(path, kRos1Magic)) return open_ros2_bag(path);
+  if (!file_begins_with(path, kRos1Magic)) {
+    auto mcap = open_mcap_bag(path);
+    return mcap ? std::move(mcap) : open_ros2_bag(path);
+  }
 #ifdef ZERORATE_HAS_ROSBAG
   return open_ros1_bag(path);
 #else
