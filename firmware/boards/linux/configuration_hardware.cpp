@@ -79,7 +79,7 @@ void read_i2c(StrictTable& table, const ChipDescription& chip, GyroSettings& gyr
 }
 
 constexpr std::string_view kAccelerationRange = "acceleration_range_g";
-constexpr std::array<std::string_view, 3> kBuses{"spi", "i2c", "iio"};
+constexpr std::array<std::string_view, 5> kBuses{"spi", "i2c", "iio", "udp", "unix"};
 
 /// False where the table names none that exists.
 bool read_bus(StrictTable& table, GyroSettings& gyro, ErrorList& errors, Presence presence) {
@@ -143,6 +143,32 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   });
 }
 
+/// A gyro whose samples another program sends: of any chip, in its own units.
+void read_by_message(StrictTable& table, Configuration& configuration, ErrorList& errors) {
+  constexpr double kUsualRange_g = 4.0;
+  GyroSettings& gyro = configuration.gyro;
+  errors.attempt([&] {
+    configuration.samples = gyro.bus == BusKind::udp
+                                ? MessageOrigin{read_udp(table)}
+                                : MessageOrigin{UnixSettings{read_socket_path(table, "path")}};
+    gyro.device = name_of(*configuration.samples);
+  });
+  errors.attempt([&] {
+    if (table.find("chip", "", Presence::optional) == nullptr) return;
+    read_chip(table, gyro);
+    if (gyro.is_simulated()) table.fail_at("chip", "\"simulated\" is on no bus");
+  });
+  errors.attempt([&] { gyro.rate_hz = *table.number("rate_hz", kPositive, Presence::required); });
+  errors.attempt([&] {
+    gyro.full_scale_dps = *table.number("full_scale_dps", kPositive, Presence::required);
+  });
+  errors.attempt([&] {
+    if (!reads_acceleration(table)) return;
+    gyro.acceleration_range_g =
+        table.number(kAccelerationRange, kPositive, Presence::optional).value_or(kUsualRange_g);
+  });
+}
+
 /// Address or node of an accelerometer that answers apart.
 void read_second_die(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
   const auto& addresses = chip.accelerometer_addresses;
@@ -171,7 +197,8 @@ void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSett
                                      chip.usual_acceleration_range_g);
 }
 
-void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
+void read_gyro(StrictTable& table, Configuration& configuration, ErrorList& errors) {
+  GyroSettings& gyro = configuration.gyro;
   static constexpr std::array<std::string_view, 13> kKeys{"accelerometer_address",
                                                           "accelerometer_device",
                                                           "bus",
@@ -187,6 +214,7 @@ void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
                                                           "acceleration_range_g"};
   const bool has_bus = read_bus(table, gyro, errors, Presence::optional);
   if (gyro.bus == BusKind::iio) return read_iio(table, gyro, errors);
+  if (gyro.is_by_message()) return read_by_message(table, configuration, errors);
   if (!errors.attempt([&] { read_chip(table, gyro); })) return pass_over(table, kKeys);
   const bool is_simulated = gyro.is_simulated();
   const ChipDescription& chip = *find_chip(gyro.model_chip());
@@ -284,11 +312,14 @@ void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& 
 
 void read_hardware(StrictTable& root, Configuration& configuration, ErrorList& errors) {
   with_table(root, "gyro", Presence::required, errors,
-             [&](StrictTable& table) { read_gyro(table, configuration.gyro, errors); });
+             [&](StrictTable& table) { read_gyro(table, configuration, errors); });
   with_table(root, "data_ready", Presence::optional, errors, [&](StrictTable& table) {
     configuration.data_ready = read_line(table, errors);
     if (configuration.gyro.is_simulated()) {
       root.fail_at("data_ready", "not beside chip = \"simulated\", which brings its own");
+    }
+    if (configuration.gyro.is_by_message()) {
+      root.fail_at("data_ready", "not beside samples from messages, which carry their stamps");
     }
     if (configuration.gyro.bus == BusKind::iio) {
       root.fail_at("data_ready", "not beside bus = \"iio\": the kernel's driver has the line");

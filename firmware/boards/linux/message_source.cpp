@@ -89,6 +89,12 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kSpace) + 1);
 }
 
+std::string_view take_word(std::string_view& text) {
+  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
+  text = trimmed(text.substr(word.size()));
+  return word;
+}
+
 std::optional<double> decode_number(std::string_view text) {
   double value = 0.0;
   const char* const end = text.data() + text.size();

@@ -65,6 +65,8 @@ using MessageOrigin = std::variant<CanSignal, CanFrames, UdpSettings, UnixSettin
 [[nodiscard]] std::optional<double> decode_number(std::string_view text);
 /// Text without the white space around it.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
+/// Takes the first word off a trimmed text, and the white space behind it.
+[[nodiscard]] std::string_view take_word(std::string_view& text);
 
 /// Value of a signal, whole frame, or text of a datagram. Text that is empty: a frame without the
 /// signal.

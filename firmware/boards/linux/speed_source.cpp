@@ -14,13 +14,6 @@ namespace {
 
 constexpr std::size_t kMostSpeeds = 16;
 
-/// Takes the first word off the text.
-std::string_view take_word(std::string_view& text) {
-  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
-  text = trimmed(text.substr(word.size()));
-  return word;
-}
-
 }  // namespace
 
 std::optional<double> decode_text(std::string_view text) {

@@ -303,8 +303,10 @@ class McapBag : public Bag {
  public:
   explicit McapBag(const std::vector<std::filesystem::path>& paths) {
     std::vector<std::pair<std::int64_t, std::filesystem::path>> found;
+    found.reserve(paths.size());
     for (const auto& path : paths) found.emplace_back(look_through(path), path);
     std::ranges::sort(found);
+    files_.reserve(found.size());
     for (auto& [time, path] : found) files_.push_back(std::move(path));
   }
 
