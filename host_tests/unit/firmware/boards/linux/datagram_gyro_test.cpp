@@ -164,7 +164,7 @@ TEST(ConfigurationOfSamplesByMessage, IsReadAsItStandsThere) {
   EXPECT_FALSE(c.gyro.acceleration_range_g);
   EXPECT_THAT(wrong_with(configuration("bus = \"unix\"\nrate_hz = 100\nfull_scale_dps = 250\n")),
               HasSubstr("missing \"path\" in [gyro]"));
-  EXPECT_THAT(wrong_with(configuration("bus = \"unix\"\npath = \"/tmp/s\"\nrate_hz = 100\n")),
+  EXPECT_THAT(wrong_with(configuration("bus = \"unix\"\npath = \"samples\"\nrate_hz = 100\n")),
               HasSubstr("missing \"full_scale_dps\" in [gyro]"));
   EXPECT_THAT(wrong_with(configuration(udp) + "[data_ready]\nchip = \"a\"\nline = 1\n"),
               HasSubstr("not beside samples from messages"));
