@@ -32,7 +32,9 @@ void add_format_options(CLI::App& command, InputFlags& flags) {
       "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also t_ns (nanoseconds beside "
       "seconds), "
       "rate (a single axis), temp, ax, "
-      "ay, az, pulses, still, speed, ref_heading, ref_rate, ref_speed; #3 is the third column");
+      "ay, az, pulses, ticks1 to ticks4 (wheels, also backwards), still, speed, turn (of the "
+      "vehicle "
+      "by its wheels), ref_heading, ref_rate, ref_speed; #3 is the third column");
   add("--units", flags.units,
       "units that names do not give: time=s|ms|us|ns|iso, "
       "rate=dps|radps|mdps|dph|0.00875dps (raw counts)|deg/sample|rad/sample, temp=c|k|f, "
@@ -53,6 +55,11 @@ void add_format_options(CLI::App& command, InputFlags& flags) {
   add("--speed-delay", flags.speed_delay_s,
       "from the motion to the stamp of its speed [s]; default 0")
       ->check(CLI::Range(0.0, 60.0));
+  add("--track-width", flags.track_m,
+      "distance of left and right wheels [m], by whose half a rate of turn counts as speed; "
+      "default "
+      "1")
+      ->check(CLI::Range(0.01, 100.0));
   add("--metres-per-pulse", flags.metres_per_pulse, "make odometer pulses of the speed [m]")
       ->check(CLI::PositiveNumber);
   command
@@ -62,8 +69,9 @@ void add_format_options(CLI::App& command, InputFlags& flags) {
       ->group("Files of other formats");
   add("--topic", flags.topic, "topic of sensor_msgs/Imu in a bag; default: the only one");
   add("--odometry-topic", flags.odometry_topic,
-      "topic of nav_msgs/Odometry in a bag, whose speed decides what is rest; default: the only "
-      "one, if any");
+      "topic of nav_msgs/Odometry, geometry_msgs/TwistStamped or geometry_msgs/Twist in a bag, "
+      "whose "
+      "speed and turn decide what is rest; default: the only Odometry, if any");
 }
 
 CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
@@ -71,7 +79,7 @@ CLI::Option* add_input_options(CLI::App& command, InputFlags& flags) {
       command
           .add_option("RECORDING", flags.recording,
                       "CSV or CSV.gz file, folder of EuRoC or KITTI, bag of ROS "
-                      "2 (.db3 or its folder) or ROS 1 (.bag); "
+                      "2 (.mcap, .db3 or its folder) or ROS 1 (.bag); "
                       "- for standard input")
           ->required();
   add_format_options(command, flags);
@@ -129,10 +137,11 @@ recording::Input to_input(const InputFlags& flags) {
       throw std::invalid_argument("--speed-column: the column of the speed is given twice");
     }
   }
-  if (flags.still_below_mps || flags.speed_delay_s || flags.metres_per_pulse) {
+  if (flags.still_below_mps || flags.speed_delay_s || flags.metres_per_pulse || flags.track_m) {
     input.speed = recording::SpeedRule{
         .dead_band_m_s = flags.still_below_mps.value_or(0.0),
         .delay = core::Duration::nanoseconds(std::llround(flags.speed_delay_s.value_or(0.0) * 1e9)),
+        .track_m = flags.track_m.value_or(recording::SpeedRule{}.track_m),
         .metres_per_pulse = flags.metres_per_pulse};
   }
   return input;
@@ -157,6 +166,7 @@ std::string to_text(const InputFlags& flags) {
   add("--speed-column", flags.speed_column);
   add("--still-below", number(flags.still_below_mps));
   add("--speed-delay", number(flags.speed_delay_s));
+  add("--track-width", number(flags.track_m));
   add("--metres-per-pulse", number(flags.metres_per_pulse));
   add("--topic", flags.topic);
   add("--odometry-topic", flags.odometry_topic);

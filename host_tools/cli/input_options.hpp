@@ -28,6 +28,7 @@ struct InputFlags {
   std::string speed_column;
   std::optional<double> still_below_mps;
   std::optional<double> speed_delay_s;
+  std::optional<double> track_m;
   std::optional<double> metres_per_pulse;
   std::string odometer_file;
   std::string odometer_columns;

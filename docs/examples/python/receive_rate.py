@@ -59,6 +59,7 @@ def decode(datagram):
         "calibrated": bool(health & CALIBRATED),
         # A fault is told in messages without a rate: those must not be taken for standstill.
         "rate_dps": None if health & NO_RATE else [math.degrees(axis[1]) for axis in axes],
+        "measured_dps": [math.degrees(axis[0]) for axis in axes],
         "bias_dps": [math.degrees(axis[2]) for axis in axes],
         "sigma_dps": [math.degrees(axis[3]) for axis in axes],
         # Angle since the vehicle drove off, and its standard deviation: infinite where it is not known.
@@ -84,6 +85,15 @@ def decode(datagram):
         "explained_dps": [[math.degrees(share) for share in explained[3 * axis:3 * axis + 3]] for axis in range(3)]
                          if explained else None,
     }
+
+
+def decode_learnt(datagram):
+    """Angle random walk of x, y and z that the node has learnt of its sensor; None for any other frame."""
+    if len(datagram) != 84 or datagram[:3] != b"ZL\x01" or struct.unpack_from("<I", datagram, 80)[0] != zlib.crc32(datagram[:80]):
+        return None
+    figures = [struct.unpack_from("<6f", datagram, 8 + 24 * axis) for axis in range(3)]
+    return {"stops": struct.unpack_from("<f", datagram, 4)[0],
+            "angle_random_walk_dps_per_sqrt_hz": [math.degrees(axis[4]) for axis in figures]}
 
 
 def messages(address, port):

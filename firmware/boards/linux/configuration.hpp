@@ -35,6 +35,7 @@ struct Configuration {
   std::string name;  ///< name of the node in lines and metrics; empty: it is the only one
   std::string user;  ///< user of the process after a start as root; empty: unchanged
   GyroSettings gyro;
+  std::optional<MessageOrigin> samples;  ///< origin of the samples where the gyro is one by message
   std::optional<hal::linux_os::LineSettings> data_ready;
   std::optional<hal::linux_os::LineSettings> odometer;  ///< on a GPIO line
   std::optional<SpeedSettings>

@@ -20,30 +20,12 @@ using toml_file::Rule;
 using toml_file::StrictTable;
 
 constexpr Rule kPositive{[](double x) { return x > 0.0 && x <= 1e6; }, "a positive number"};
-constexpr Rule kDeadBand{[](double x) { return x >= 0.0 && x <= 10.0; },
-                         "a speed in m/s, from 0 to 10"};
 constexpr Rule kPulse{[](double x) { return x > 0.0 && x <= 1e3; },
                       "a distance in m, above 0 and at most 1000"};
 constexpr Rule kSpeed{[](double x) { return x >= 1e3 && x <= 1e8; },
                       "a whole number of Hz, from 1 000 to 100 000 000"};
 constexpr Rule kAddress{[](double x) { return x >= 0x08 && x <= 0x77; },
                         "a 7-bit address, from 0x08 to 0x77"};
-constexpr Rule kPort{[](double x) { return x >= 1.0 && x <= 65535.0; },
-                     "a whole number from 1 to 65535"};
-constexpr Rule kSignalId{
-    [](double x) { return (x >= 0.0 && x <= 0x7FF) || (x >= 0x80000000 && x <= 0x9FFFFFFF); },
-    "an identifier from 0 to 0x7FF, or with bit 31 an extended one, as in a DBC file"};
-constexpr Rule kStartBit{[](double x) { return x >= 0.0 && x <= 63.0; }, "a bit from 0 to 63"};
-constexpr Rule kLength{[](double x) { return x >= 1.0 && x <= 64.0; }, "1 to 64 bits"};
-constexpr Rule kScale{[](double x) { return x != 0.0 && x >= -1e6 && x <= 1e6; },
-                      "the value of one count, not 0"};
-constexpr Rule kOffset{[](double x) { return x >= -1e6 && x <= 1e6; },
-                       "a number from -1 000 000 to 1 000 000"};
-constexpr Rule kSigma{[](double x) { return x > 0.0 && x <= 90.0; }, "degrees, above 0 to 90"};
-constexpr Rule kReferenceLatency{[](double x) { return x >= 0.0 && x <= 1.5; },
-                                 "seconds, from 0 to 1.5: two are remembered"};
-constexpr Rule kTimeout{[](double x) { return x > 0.0 && x <= 1e6; },
-                        "seconds, above 0 and at most 1 000 000"};
 constexpr Rule kTimeFactor{[](double x) { return x >= 1.0 && x <= 100.0; },
                            "a factor from 1 to 100"};
 constexpr Rule kDebounce{[](double x) { return x >= 0.0 && x <= 1e6; },
@@ -97,7 +79,7 @@ void read_i2c(StrictTable& table, const ChipDescription& chip, GyroSettings& gyr
 }
 
 constexpr std::string_view kAccelerationRange = "acceleration_range_g";
-constexpr std::array<std::string_view, 3> kBuses{"spi", "i2c", "iio"};
+constexpr std::array<std::string_view, 5> kBuses{"spi", "i2c", "iio", "udp", "unix"};
 
 /// False where the table names none that exists.
 bool read_bus(StrictTable& table, GyroSettings& gyro, ErrorList& errors, Presence presence) {
@@ -161,6 +143,32 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   });
 }
 
+/// A gyro whose samples another program sends: of any chip, in its own units.
+void read_by_message(StrictTable& table, Configuration& configuration, ErrorList& errors) {
+  constexpr double kUsualRange_g = 4.0;
+  GyroSettings& gyro = configuration.gyro;
+  errors.attempt([&] {
+    configuration.samples = gyro.bus == BusKind::udp
+                                ? MessageOrigin{read_udp(table)}
+                                : MessageOrigin{UnixSettings{read_socket_path(table, "path")}};
+    gyro.device = name_of(*configuration.samples);
+  });
+  errors.attempt([&] {
+    if (table.find("chip", "", Presence::optional) == nullptr) return;
+    read_chip(table, gyro);
+    if (gyro.is_simulated()) table.fail_at("chip", "\"simulated\" is on no bus");
+  });
+  errors.attempt([&] { gyro.rate_hz = *table.number("rate_hz", kPositive, Presence::required); });
+  errors.attempt([&] {
+    gyro.full_scale_dps = *table.number("full_scale_dps", kPositive, Presence::required);
+  });
+  errors.attempt([&] {
+    if (!reads_acceleration(table)) return;
+    gyro.acceleration_range_g =
+        table.number(kAccelerationRange, kPositive, Presence::optional).value_or(kUsualRange_g);
+  });
+}
+
 /// Address or node of an accelerometer that answers apart.
 void read_second_die(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
   const auto& addresses = chip.accelerometer_addresses;
@@ -189,7 +197,8 @@ void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSett
                                      chip.usual_acceleration_range_g);
 }
 
-void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
+void read_gyro(StrictTable& table, Configuration& configuration, ErrorList& errors) {
+  GyroSettings& gyro = configuration.gyro;
   static constexpr std::array<std::string_view, 13> kKeys{"accelerometer_address",
                                                           "accelerometer_device",
                                                           "bus",
@@ -205,6 +214,7 @@ void read_gyro(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
                                                           "acceleration_range_g"};
   const bool has_bus = read_bus(table, gyro, errors, Presence::optional);
   if (gyro.bus == BusKind::iio) return read_iio(table, gyro, errors);
+  if (gyro.is_by_message()) return read_by_message(table, configuration, errors);
   if (!errors.attempt([&] { read_chip(table, gyro); })) return pass_over(table, kKeys);
   const bool is_simulated = gyro.is_simulated();
   const ChipDescription& chip = *find_chip(gyro.model_chip());
@@ -273,68 +283,13 @@ core::OdometerTraits read_odometer_traits(StrictTable& table, ErrorList& errors)
   return odometer;
 }
 
-/// Keys by which the value of a count is stated.
-struct ValueKeys {
-  std::string_view scale;
-  std::string_view offset;
-};
-constexpr ValueKeys kSpeedKeys{.scale = "scale_mps", .offset = "offset_mps"};
-constexpr ValueKeys kHeadingKeys{.scale = "scale_deg", .offset = "offset_deg"};
-
-CanSignal read_signal(StrictTable& table, const ValueKeys& keys) {
-  static constexpr std::array<std::string_view, 2> kOrders{"little", "big"};
-  CanSignal signal{
-      .interface = *name_at(table, "interface", Presence::required),
-      .id = static_cast<std::uint32_t>(*table.integer("id", kSignalId, Presence::required)),
-      .start_bit =
-          static_cast<unsigned>(*table.integer("start_bit", kStartBit, Presence::required)),
-      .length = static_cast<unsigned>(*table.integer("length", kLength, Presence::required)),
-      .is_big_endian = *table.choice("byte_order", kOrders, Presence::required) == 1,
-      .is_signed = table.boolean("signed", Presence::optional).value_or(false),
-      .scale = *table.number(keys.scale, kScale, Presence::required),
-      .offset = table.number(keys.offset, kOffset, Presence::optional).value_or(0.0)};
-  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(signal.interface); });
-  if (signal.bytes() == 0) table.fail_at("length", "the signal does not fit into eight bytes");
-  return signal;
-}
-
-MessageOrigin read_origin(StrictTable& table, std::string_view type, const ValueKeys& keys) {
-  if (type == "can") return read_signal(table, keys);
-  if (type == "udp") return read_udp(table);
-  return UnixSettings{read_socket_path(table, "path")};
-}
-
 constexpr std::array<std::string_view, 4> kOdometerTypes{"gpio", "can", "udp", "unix"};
-
-SpeedSettings read_speed(StrictTable& table, std::string_view type) {
-  SpeedSettings speed;
-  speed.origin = read_origin(table, type, kSpeedKeys);
-  // A threshold that nobody stated would be guessed.
-  speed.dead_band_mps = *table.number("dead_band_mps", kDeadBand, Presence::required);
-  (void)table.number("latency_s", kSeconds, Presence::required);
-  speed.timeout =
-      duration_of(table.number("timeout_s", kTimeout, Presence::optional).value_or(1.0));
-  return speed;
-}
 
 /// Messages come in real time.
 void check_real_time(const StrictTable& table, const GyroSettings& gyro) {
   if (gyro.time_factor != 1.0) {
     table.fail_at("type", "messages come in real time: time_factor of [gyro] must be 1");
   }
-}
-
-ReferenceSettings read_reference(StrictTable& table) {
-  static constexpr std::array<std::string_view, 3> kTypes{"can", "udp", "unix"};
-  static constexpr std::array<std::string_view, 2> kSenses{"clockwise", "counter-clockwise"};
-  const std::string_view type = kTypes.at(*table.choice("type", kTypes, Presence::required));
-  return {
-      .up = *read_up(table, Presence::required),
-      .origin = read_origin(table, type, kHeadingKeys),
-      .counts_clockwise = *table.choice("sense", kSenses, Presence::required) == 0,
-      .sigma =
-          core::deg(static_cast<float>(*table.number("sigma_deg", kSigma, Presence::required))),
-      .latency = duration_of(*table.number("latency_s", kReferenceLatency, Presence::required))};
 }
 
 void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& errors) {
@@ -355,35 +310,16 @@ void read_odometer(StrictTable& table, Configuration& configuration, ErrorList& 
 
 }  // namespace
 
-UdpSettings read_udp(StrictTable& table) {
-  UdpSettings udp{
-      .address = *name_at(table, "address", Presence::required),
-      .port = static_cast<std::uint16_t>(*table.integer("port", kPort, Presence::required))};
-  at_key(table, "address", [&] { (void)hal::linux_os::udp_address(udp.address, udp.port); });
-  return udp;
-}
-
-std::optional<core::UpAxis> read_up(StrictTable& table, Presence presence) {
-  static constexpr std::array<std::string_view, 6> kUp{"x", "y", "z", "-x", "-y", "-z"};
-  const auto up = table.choice("up", kUp, presence);
-  if (!up) return std::nullopt;
-  return core::UpAxis{.axis = static_cast<std::uint8_t>(*up % 3),
-                      .points_down = *up >= kUp.size() / 2};
-}
-
-std::string read_socket_path(StrictTable& table, std::string_view key) {
-  std::string path = *name_at(table, key, Presence::required);
-  at_key(table, key, [&] { (void)hal::linux_os::unix_address(path); });
-  return path;
-}
-
 void read_hardware(StrictTable& root, Configuration& configuration, ErrorList& errors) {
   with_table(root, "gyro", Presence::required, errors,
-             [&](StrictTable& table) { read_gyro(table, configuration.gyro, errors); });
+             [&](StrictTable& table) { read_gyro(table, configuration, errors); });
   with_table(root, "data_ready", Presence::optional, errors, [&](StrictTable& table) {
     configuration.data_ready = read_line(table, errors);
     if (configuration.gyro.is_simulated()) {
       root.fail_at("data_ready", "not beside chip = \"simulated\", which brings its own");
+    }
+    if (configuration.gyro.is_by_message()) {
+      root.fail_at("data_ready", "not beside samples from messages, which carry their stamps");
     }
     if (configuration.gyro.bus == BusKind::iio) {
       root.fail_at("data_ready", "not beside bus = \"iio\": the kernel's driver has the line");

@@ -19,6 +19,9 @@ namespace zerorate::linux_node {
 inline constexpr toml_file::Rule kSeconds{[](double x) { return x >= 0.0 && x <= 1e6; },
                                           "seconds, from 0 to 1 000 000"};
 
+inline constexpr toml_file::Rule kDeadBand{[](double x) { return x >= 0.0 && x <= 10.0; },
+                                           "a speed in m/s, from 0 to 10"};
+
 [[nodiscard]] inline core::Duration duration_of(double seconds) {
   return core::Duration::nanoseconds(std::llround(seconds * 1e9));
 }
@@ -69,6 +72,12 @@ auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) 
                                                   toml_file::Presence presence);
 /// Path that a Unix socket can have.
 [[nodiscard]] std::string read_socket_path(toml_file::StrictTable& table, std::string_view key);
+
+/// Speeds that messages bring: the table of an odometer that is no line.
+/// @param type  "can", "udp" or "unix"
+[[nodiscard]] SpeedSettings read_speed(toml_file::StrictTable& table, std::string_view type);
+/// Headings that messages bring.
+[[nodiscard]] ReferenceSettings read_reference(toml_file::StrictTable& table);
 
 /// Reads the tables of the gyro, of its interrupt, of the odometer and of references.
 void read_hardware(toml_file::StrictTable& root, Configuration& configuration,

@@ -9,6 +9,7 @@
 #include "core/base/time.hpp"
 #include "drivers/common/any_gyro.hpp"
 #include "firmware/boards/linux/chips/gyro.hpp"
+#include "firmware/boards/linux/datagram_gyro.hpp"
 #include "firmware/boards/linux/reference_source.hpp"
 #include "hal/contract/data_ready.hpp"
 #include "hal/contract/monotonic_clock.hpp"
@@ -39,6 +40,8 @@ class Hardware {
   [[nodiscard]] virtual std::optional<Reference> next_reference() { return std::nullopt; }
   /// Errno for which no reference can come; 0: none.
   [[nodiscard]] virtual int reference_error_number() const { return 0; }
+  /// Messages of a gyro by message that gave no sample.
+  [[nodiscard]] virtual SampleCounters sample_counters() const { return {}; }
   /// For the log, after an error of the gyro or the odometer. May ask the chip.
   virtual HardwareReasons reasons(drivers::DriverErrorCode /*code*/) { return {}; }
   [[nodiscard]] virtual core::Instant now() const = 0;

@@ -10,8 +10,18 @@
 
 namespace zerorate::linux_node {
 
+namespace {
+
+std::unique_ptr<DeviceGyro> make(const Configuration& configuration) {
+  if (!configuration.samples) return make_gyro(configuration.gyro);
+  return std::make_unique<DatagramGyro>(configuration.gyro, *configuration.samples);
+}
+
+}  // namespace
+
 LinuxHardware::LinuxHardware(const Configuration& configuration)
-    : gyro_(make_gyro(configuration.gyro)) {
+    : gyro_(make(configuration)),
+      by_message_(configuration.samples ? static_cast<DatagramGyro*>(gyro_.get()) : nullptr) {
   if (configuration.odometer) odometer_.emplace(*configuration.odometer);
   if (configuration.speed) speed_.emplace(*configuration.speed);
   if (configuration.reference) references_.emplace(*configuration.reference);

@@ -7,6 +7,7 @@
 
 #include "firmware/boards/linux/chips/gyro.hpp"
 #include "firmware/boards/linux/configuration.hpp"
+#include "firmware/boards/linux/datagram_gyro.hpp"
 #include "firmware/boards/linux/hardware.hpp"
 #include "firmware/boards/linux/process/event.hpp"
 #include "hal/linux/gpio_line.hpp"
@@ -25,6 +26,9 @@ class LinuxHardware final : public Hardware {
   [[nodiscard]] std::optional<Reference> next_reference() override;
   [[nodiscard]] int reference_error_number() const override {
     return references_ ? references_->error_number() : 0;
+  }
+  [[nodiscard]] SampleCounters sample_counters() const override {
+    return by_message_ != nullptr ? by_message_->counters() : SampleCounters{};
   }
   HardwareReasons reasons(drivers::DriverErrorCode code) override;
   [[nodiscard]] core::Instant now() const override;
@@ -47,6 +51,7 @@ class LinuxHardware final : public Hardware {
   [[nodiscard]] core::Duration longest_wait() const;
 
   std::unique_ptr<DeviceGyro> gyro_;
+  const DatagramGyro* by_message_;  ///< the gyro, if it is one
   std::optional<hal::linux_os::GpioLine> odometer_;
   std::optional<SpeedSource> speed_;  ///< in its place
   std::optional<ReferenceSource> references_;

@@ -48,6 +48,13 @@ std::string_view cure_of_speed(int error_number) {
       return " (has this kernel CAN? modprobe can_raw)";
     case ETIMEDOUT:
       return " (no message with a speed comes: do its sender, identifier and length agree?)";
+    case EBADMSG:
+      return " (messages come, and none can be used: numbers in m/s, still or moving; of CAN long "
+             "enough, counting on and with a valid speed)";
+    case ENODATA:
+      return " (the vehicle says that its speed is not valid)";
+    case EADDRINUSE:
+      return " (does another program or node listen there? ss -ulnp)";
     case ENODEV:
       return " (is there such an interface? ip link)";
     case ENETDOWN:

@@ -1,6 +1,7 @@
 #include "firmware/boards/linux/message_source.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
 #include <sys/ioctl.h>
@@ -32,6 +33,10 @@ struct NameOrigin {
   std::string operator()(const CanSignal& signal) const {
     return fmt::format("can:{} id {:#x}", signal.interface, signal.id);
   }
+  std::string operator()(const CanFrames& frames) const {
+    return fmt::format("can:{} id{} {:#x}", frames.interface, frames.ids.size() == 1 ? "" : "s",
+                       fmt::join(frames.ids, ", "));
+  }
   std::string operator()(const UdpSettings& udp) const {
     return fmt::format("udp:{}:{}", udp.address, udp.port);
   }
@@ -52,8 +57,8 @@ std::string name_of(const MessageOrigin& origin) {
   return std::visit(NameOrigin{}, origin);
 }
 
-std::optional<double> decode_signal(const CanSignal& signal,
-                                    std::span<const std::uint8_t> payload) {
+std::optional<std::uint64_t> raw_signal(const CanSignal& signal,
+                                        std::span<const std::uint8_t> payload) {
   if (signal.bytes() == 0 || payload.size() < signal.bytes()) return std::nullopt;
   std::uint64_t raw = 0;
   unsigned bit = signal.start_bit;
@@ -62,6 +67,14 @@ std::optional<double> decode_signal(const CanSignal& signal,
     raw = signal.is_big_endian ? raw << 1U | value : raw | value << i;
     bit = signal.is_big_endian ? next_lower(bit) : bit + 1;
   }
+  return raw;
+}
+
+std::optional<double> decode_signal(const CanSignal& signal,
+                                    std::span<const std::uint8_t> payload) {
+  const auto counts = raw_signal(signal, payload);
+  if (!counts) return std::nullopt;
+  const std::uint64_t raw = *counts;
   const std::uint64_t sign = std::uint64_t{1} << (signal.length - 1);
   const bool is_negative = signal.is_signed && (raw & sign) != 0;
   // Two's complement: the sign's bit counts negatively.
@@ -74,6 +87,12 @@ std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kSpace = " \t\r\n";
   text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
   return text.substr(0, text.find_last_not_of(kSpace) + 1);
+}
+
+std::string_view take_word(std::string_view& text) {
+  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
+  text = trimmed(text.substr(word.size()));
+  return word;
 }
 
 std::optional<double> decode_number(std::string_view text) {
@@ -103,7 +122,12 @@ bool MessageSource::open(core::Instant now) {
   if (descriptor() >= 0) return true;
   if (tried_at_ && now - *tried_at_ < core::Duration::seconds(1)) return false;
   tried_at_ = now;
-  if (const auto* const can = std::get_if<CanSignal>(&origin_)) return open_can(*can);
+  if (const auto* const can = std::get_if<CanSignal>(&origin_)) {
+    return open_can(can->interface, std::span{&can->id, 1});
+  }
+  if (const auto* const can = std::get_if<CanFrames>(&origin_)) {
+    return open_can(can->interface, can->ids);
+  }
   if (const auto* const udp = std::get_if<UdpSettings>(&origin_)) return open_udp(*udp);
   try {
     named_socket_.emplace(std::get<UnixSettings>(origin_).path, SOCK_DGRAM);
@@ -114,19 +138,23 @@ bool MessageSource::open(core::Instant now) {
   return true;
 }
 
-bool MessageSource::open_can(const CanSignal& signal) {
+bool MessageSource::open_can(const std::string& name, std::span<const std::uint32_t> ids) {
   Descriptor opened{socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
-  ifreq interface = hal::linux_os::interface_request(signal.interface);
+  ifreq interface = hal::linux_os::interface_request(name);
   bool is_open = opened.is_open() && ioctl(opened.get(), SIOCGIFINDEX, &interface) == 0;
   if (is_open) {
-    const bool is_extended = (signal.id & CAN_EFF_FLAG) != 0;
-    const can_filter filter{
-        .can_id = signal.id,
-        .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | (is_extended ? CAN_EFF_MASK : CAN_SFF_MASK)};
+    std::vector<can_filter> filters;
+    for (const std::uint32_t id : ids) {
+      const bool is_extended = (id & CAN_EFF_FLAG) != 0;
+      filters.push_back(
+          {.can_id = id,
+           .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | (is_extended ? CAN_EFF_MASK : CAN_SFF_MASK)});
+    }
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = interface.ifr_ifindex;
-    is_open = setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
+    is_open = setsockopt(opened.get(), SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                         static_cast<socklen_t>(filters.size() * sizeof(can_filter))) == 0 &&
               bind(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   }
   if (!is_open) error_number_ = errno;
@@ -144,16 +172,19 @@ bool MessageSource::open_udp(const UdpSettings& udp) {
   return is_open;
 }
 
-Message MessageSource::decode(std::span<const std::uint8_t> bytes) const {
+Message MessageSource::decode(std::span<const std::uint8_t> bytes) {
   const auto* const signal = std::get_if<CanSignal>(&origin_);
-  if (signal == nullptr) {
+  if (signal == nullptr && !std::holds_alternative<CanFrames>(origin_)) {
     return std::string_view{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
   can_frame frame{};
   if (bytes.size() != sizeof frame) return std::string_view{};
   std::memcpy(&frame, bytes.data(), sizeof frame);
-  const std::size_t length = std::min<std::size_t>(frame.can_dlc, kLongestPayload);
-  const auto value = decode_signal(*signal, std::span{frame.data}.first(length));
+  std::ranges::copy(frame.data, payload_.begin());
+  const auto payload =
+      std::span{payload_}.first(std::min<std::size_t>(frame.can_dlc, kLongestPayload));
+  if (signal == nullptr) return CanFrame{.id = frame.can_id, .payload = payload};
+  const auto value = decode_signal(*signal, payload);
   return value ? Message{*value} : Message{std::string_view{}};
 }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
@@ -36,11 +37,27 @@ struct CanSignal {
   [[nodiscard]] std::size_t bytes() const;
 };
 
-using MessageOrigin = std::variant<CanSignal, UdpSettings, UnixSettings>;
+/// Whole frames of a CAN bus, of whose signals the receiver takes several.
+struct CanFrames {
+  std::string interface;
+  std::vector<std::uint32_t> ids;  ///< like CanSignal::id
+};
 
-/// For the log: "can:can0 id 0x1a0", "udp:127.0.0.1:4000".
+/// One frame of CanFrames.
+struct CanFrame {
+  std::uint32_t id = 0;  ///< like CanSignal::id
+  std::span<const std::uint8_t> payload;
+};
+
+using MessageOrigin = std::variant<CanSignal, CanFrames, UdpSettings, UnixSettings>;
+
+/// For the log: "can:can0 id 0x1a0", "can:can0 ids 0x1a0, 0x1a1", "udp:127.0.0.1:4000".
 [[nodiscard]] std::string name_of(const MessageOrigin& origin);
 
+/// Count of a signal in the payload of a CAN frame, without sign, scale and offset; nullopt where
+/// the frame is too short.
+[[nodiscard]] std::optional<std::uint64_t> raw_signal(const CanSignal& signal,
+                                                      std::span<const std::uint8_t> payload);
 /// Value that the payload of a CAN frame holds; nullopt where the frame is too short.
 [[nodiscard]] std::optional<double> decode_signal(const CanSignal& signal,
                                                   std::span<const std::uint8_t> payload);
@@ -48,9 +65,12 @@ using MessageOrigin = std::variant<CanSignal, UdpSettings, UnixSettings>;
 [[nodiscard]] std::optional<double> decode_number(std::string_view text);
 /// Text without the white space around it.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
+/// Takes the first word off a trimmed text, and the white space behind it.
+[[nodiscard]] std::string_view take_word(std::string_view& text);
 
-/// Value of a signal, or text of a datagram. Text that is empty: a frame without the signal.
-using Message = std::variant<double, std::string_view>;
+/// Value of a signal, whole frame, or text of a datagram. Text that is empty: a frame without the
+/// signal.
+using Message = std::variant<double, CanFrame, std::string_view>;
 
 /// A socket that is opened at the first use, and tried again each second.
 class MessageSource {
@@ -71,11 +91,12 @@ class MessageSource {
   [[nodiscard]] int error_number() const { return error_number_; }
 
  private:
-  bool open_can(const CanSignal& signal);
+  bool open_can(const std::string& name, std::span<const std::uint32_t> ids);
   bool open_udp(const UdpSettings& udp);
-  [[nodiscard]] Message decode(std::span<const std::uint8_t> bytes) const;
+  [[nodiscard]] Message decode(std::span<const std::uint8_t> bytes);
 
   MessageOrigin origin_;
+  std::array<std::uint8_t, 8> payload_{};  ///< payload of the newest frame
   hal::linux_os::Descriptor socket_;
   std::optional<hal::linux_os::NamedSocket> named_socket_;
   std::optional<core::Instant> tried_at_;

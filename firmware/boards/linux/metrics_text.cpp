@@ -98,6 +98,14 @@ void add_counters(Text& text, const NodeService& service) {
   text.counter("gyro_overruns_total", "Overflows of the gyro's FIFO.", loop.overruns);
   text.counter("gyro_configurations_lost_total", "Times the gyro had lost its settings.",
                loop.configurations_lost);
+  const SampleCounters& samples = service.status().samples;
+  text.counter("gyro_samples_lost_total", "Samples by message that never came.", samples.lost);
+  text.counter("gyro_samples_late_total", "Those that came late.", samples.late);
+  text.counter("gyro_samples_doubled_total", "Those that came twice.", samples.doubled);
+  text.counter("gyro_samples_unreadable_total", "Messages that were no samples.",
+               samples.unreadable);
+  text.counter("gyro_samples_foreign_total", "Samples that another clock stamped.",
+               samples.foreign);
   text.counter("sleeps_total", "Times that the machine slept.", loop.sleeps);
   text.counter("silences_total", "Messages that reported that there were no samples.",
                loop.silences);

@@ -115,11 +115,14 @@ void NodeService::hand_over() {
                      .sample_rate = loop_.sample_rate(),
                      .state = node_.state(),
                      .learnt = learnt(),
+                     .samples = hardware_.sample_counters(),
                      .references = references_,
                      .heading = node_.heading(),
                      .reference_error_number = hardware_.reference_error_number()};
-  const bool is_failing =
-      !offered_status_.is_running || offered_status_.counters.odometer_errors != 0;
+  const app::LoopCounters& counters = offered_status_.counters;
+  const bool is_failing = !offered_status_.is_running || counters.odometer_errors != 0 ||
+                          counters.read_errors != asked_read_errors_;
+  asked_read_errors_ = counters.read_errors;
   if (is_failing) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
   handover_.store(Handover::ready, std::memory_order_release);
 }
@@ -167,6 +170,7 @@ void NodeService::finish() {
 
 void NodeService::report_changes(const ServiceStatus& now) {
   report_gyro(now);
+  report_samples(now);
   report_sample_rate(now);
   report_odometer(now);
   report_references(now);
@@ -182,8 +186,8 @@ void NodeService::report_gyro(const ServiceStatus& now) {
   const bool has_started = now.counters.starts != told_starts_;
   if (has_started && has_samples && now.is_running) {
     log_line(log_, "gyro: {}{}{} started, {} Hz, {} deg/s{}", gyro.chip,
-             gyro.is_simulated() ? "" : " on ", gyro.device, gyro.rate_hz, gyro.full_scale_dps,
-             told_starts_ > 0 ? ", again" : "");
+             gyro.is_simulated() || gyro.chip.empty() ? "" : " on ", gyro.device, gyro.rate_hz,
+             gyro.full_scale_dps, told_starts_ > 0 ? ", again" : "");
     if (told_starts_ == 0 && !configuration_.states_scale_factor) {
       log_line(log_, "model: no tolerance of the scale factor; the turn is published with {:g} %",
                100.0 * model::ScaleFactor{}.sigma);
@@ -202,6 +206,20 @@ void NodeService::report_gyro(const ServiceStatus& now) {
   LogBuffer words{};
   log_line(log_, "gyro: {}{}", describe(gyro, now.counters.last_error, reason, words),
            now.is_running ? "" : "; trying again");
+}
+
+/// Each kind is told when it happens first; the metrics count them.
+void NodeService::report_samples(const ServiceStatus& now) {
+  const SampleCounters& before = last_status_.samples;
+  const auto tell = [&](std::uint32_t SampleCounters::*counter, const char* words) {
+    if (before.*counter != 0 || now.samples.*counter == 0) return;
+    log_line(log_, "gyro: {}: {} (the metrics count them)", configuration_.gyro.device, words);
+  };
+  tell(&SampleCounters::lost, "samples are lost on the way, by their numbers");
+  tell(&SampleCounters::late, "samples come late and are left out");
+  tell(&SampleCounters::doubled, "samples come twice and count once");
+  tell(&SampleCounters::unreadable, "messages come that are no samples");
+  tell(&SampleCounters::foreign, "stamps come that are not of CLOCK_MONOTONIC of this machine");
 }
 
 void NodeService::report_sample_rate(const ServiceStatus& now) {

@@ -41,6 +41,7 @@ struct ServiceStatus {
   app::RateWatch sample_rate;
   Node::State state;
   wire::LearntModel learnt;
+  SampleCounters samples;
   ReferenceCounters references;
   app::Heading heading;
   int reference_error_number = 0;  ///< errno for which no reference can come; 0: none
@@ -119,6 +120,7 @@ class NodeService {
   [[nodiscard]] wire::LearntModel learnt() const;
   void report_changes(const ServiceStatus& now);
   void report_gyro(const ServiceStatus& now);
+  void report_samples(const ServiceStatus& now);
   void report_sample_rate(const ServiceStatus& now);
   void report_odometer(const ServiceStatus& now);
   void report_references(const ServiceStatus& now);
@@ -142,6 +144,7 @@ class NodeService {
   ReferenceCounters references_;
   std::atomic<std::uint32_t> turns_ = 0;
   std::atomic<Handover> handover_ = Handover::idle;
+  std::uint32_t asked_read_errors_ = 0;  ///< read errors whose reasons were asked for
   ServiceStatus
       offered_status_;  ///< written by the measuring thread while requested, read while ready
 

@@ -1,5 +1,6 @@
 #include "firmware/boards/linux/speed_source.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -11,10 +12,7 @@
 namespace zerorate::linux_node {
 namespace {
 
-std::optional<double> speed_in(const Message& message) {
-  if (const auto* const value = std::get_if<double>(&message)) return *value;
-  return decode_text(std::get<std::string_view>(message));
-}
+constexpr std::size_t kMostSpeeds = 16;
 
 }  // namespace
 
@@ -22,7 +20,37 @@ std::optional<double> decode_text(std::string_view text) {
   text = trimmed(text);
   if (text == "still") return 0.0;
   if (text == "moving") return std::numeric_limits<double>::infinity();
-  return decode_number(text);
+  if (text.empty()) return std::nullopt;
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < kMostSpeeds && !text.empty(); ++i) {
+    const auto speed = decode_number(take_word(text));
+    if (!speed) return std::nullopt;
+    fastest = std::max(fastest, std::abs(*speed));
+  }
+  if (!text.empty()) return std::nullopt;
+  return fastest;
+}
+
+bool SpeedSource::hear(const Message& message, core::Instant now) {
+  if (const auto* const frame = std::get_if<CanFrame>(&message)) {
+    const bool moves = signals_.hear(*frame, now);
+    if (signals_.was_refused()) refused_at_ = now;
+    return moves;
+  }
+  const auto* const text = std::get_if<std::string_view>(&message);
+  const auto speed = text != nullptr ? decode_text(*text) : std::get<double>(message);
+  (speed ? heard_at_ : refused_at_) = now;  // no word of the speed: the timeout decides
+  return speed && std::abs(*speed) > dead_band_mps_;
+}
+
+bool SpeedSource::is_known(core::Instant now) const {
+  return has_signals_ ? signals_.is_known(now, timeout_)
+                      : heard_at_ && now - *heard_at_ <= timeout_;
+}
+
+int SpeedSource::reason_of_silence(core::Instant now) const {
+  if (!signals_.is_valid()) return ENODATA;
+  return refused_at_ && now - *refused_at_ <= timeout_ ? EBADMSG : ETIMEDOUT;
 }
 
 core::Result<hal::PulseBatch, hal::BusError> SpeedSource::read_pulses(
@@ -40,13 +68,9 @@ core::Result<hal::PulseBatch, hal::BusError> SpeedSource::read_pulses(
     const auto message = messages_.next(buffer);
     if (!message) return fail(message.error(), messages_.error_number());
     if (!*message) break;
-    const auto speed = speed_in(**message);
-    if (!speed) continue;  // no word of the speed: the timeout decides
-    heard_at_ = now;
-    if (std::abs(*speed) > dead_band_mps_) stamps[batch.count++] = now;
+    if (hear(**message, now)) stamps[batch.count++] = now;
   }
-  const bool is_silent = !heard_at_ || now - *heard_at_ > timeout_;
-  if (is_silent) return fail(hal::BusError::timeout, ETIMEDOUT);
+  if (!is_known(now)) return fail(hal::BusError::timeout, reason_of_silence(now));
   return batch;
 }
 

@@ -4,6 +4,7 @@
 usage: message_inputs_test.py ZERORATED [unittest arguments]
 """
 
+import itertools
 import os
 import re
 import shutil
@@ -98,6 +99,20 @@ class MessageInputs(Simulated):
             errors = self.drive_by_messages(lambda words: sender.sendto(words, ("127.0.0.1", port)))
         self.assertIn(f"odometer udp:127.0.0.1:{port}: Connection timed out (no message with a speed comes", errors)
 
+    def test_takes_a_turn_on_the_spot_for_motion(self):
+        port = free_port()
+        self.simulate(f'[odometer]\ntype = "udp"\naddress = "127.0.0.1"\nport = {port}\n' + TRAITS)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            def say(words):
+                sender.sendto(words, ("127.0.0.1", port))
+            self.start()
+            self.wait_for(lambda message: message["motion"] == 2, say, "0 0")
+            self.wait_for(lambda message: message["motion"] == 0, say, "-0.12 0.12")
+            self.wait_for(lambda message: message["motion"] == 2, say, "0 0")
+            self.wait_for(lambda message: message["health"] & 0x20 and message["motion"] == 0, say, "0;0")
+            errors = self.stop()
+        self.assertIn(f"odometer udp:127.0.0.1:{port}: Bad message (messages come, and none can be used", errors)
+
     def test_takes_the_speed_from_a_unix_socket(self):
         path = self.folder / "speed"
         self.simulate(f'[odometer]\ntype = "unix"\npath = "{path}"\n' + TRAITS)
@@ -156,12 +171,41 @@ class MessageInputs(Simulated):
             sender.bind((name,))
             self.drive_by_can(name, sender.send)
 
-    @unittest.skipUnless(shutil.which("cc"), "no C compiler named cc")
-    @unittest.skipIf(zerorated_test.is_sanitized(), "the sanitizer's library must be loaded first")
-    def test_takes_the_speed_from_a_stand_in_for_can(self):
+    def stand_in_for_can(self):
+        """Path of the socket that stands in for the bus."""
+        if not shutil.which("cc") or zerorated_test.is_sanitized():
+            self.skipTest("no C compiler named cc, or a sanitizer whose library must be loaded first")
         path, library = self.folder / "can", self.folder / "no_can.so"
         subprocess.run(["cc", "-shared", "-fPIC", "-o", library, "-x", "c", "-"], input=NO_CAN, text=True, check=True)
         self.environment = dict(os.environ, LD_PRELOAD=str(library), ZERORATE_TEST_CAN=str(path))
+        return path
+
+    def test_takes_several_signals_from_can(self):
+        """Two wheels, a counter and the ignition in two frames: none may be absent, old or invalid."""
+        path = self.stand_in_for_can()
+        bits = 'length = 8\nbyte_order = "little"\n'
+        wheel = '[[odometer.signal]]\nid = 0x1A0\nscale_mps = 0.1\nsigned = true\n' + bits
+        self.simulate('[odometer]\ntype = "can"\ninterface = "can0"\n' + TRAITS + wheel + "start_bit = 0\n" + wheel +
+                      "start_bit = 8\n" + '[[odometer.signal]]\nid = 0x1A0\nrole = "counter"\nstart_bit = 16\n' + bits +
+                      '[[odometer.signal]]\nid = 0x2B0\nrole = "valid"\nvalue = 4\nstart_bit = 0\n' + bits)
+        counts = itertools.count()
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+            def say(words):
+                left, right, ignition, *count = map(int, words.split())
+                count = count[0] if count else next(counts) % 256
+                wheels = struct.pack("<bbB5x", left, right, count)
+                sender.sendto(struct.pack("=IB3x8s", 0x1A0, 8, wheels), str(path))
+                sender.sendto(struct.pack("=IB3x8s", 0x2B0, 8, bytes([ignition])), str(path))
+            self.start()
+            self.message()
+            for still, moving in (("0 0 4", "-3 3 4"), ("0 0 4", "0 0 5"), ("0 0 4", "0 0 4 7")):
+                self.wait_for(lambda message: message["motion"] == 2, say, still)
+                self.wait_for(lambda message: message["motion"] == 0, say, moving)
+            errors = self.stop()
+        self.assertIn("odometer can:can0 ids 0x1a0, 0x2b0: No data available (the vehicle says that its speed", errors)
+
+    def test_takes_the_speed_from_a_stand_in_for_can(self):
+        path = self.stand_in_for_can()
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
             self.drive_by_can("can0", lambda frame: sender.sendto(frame, str(path)))
 

@@ -211,6 +211,14 @@ class Monitor(unittest.TestCase):
         self.assertEqual(self.process.returncode, 3)
         self.assertIn("Address already in use", errors)
 
+    def test_names_a_second_sink_where_its_port_is_taken(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            other.bind(("127.0.0.1", 0))
+            self.start("--udp", f"127.0.0.1:{other.getsockname()[1]}")
+            errors = self.process.communicate(timeout=LIMIT_S)[1]
+        self.assertEqual(self.process.returncode, 3)
+        self.assertIn("a second [[sink]] of zerorated with a port of its own serves both): Address already in use", errors)
+
     def test_does_not_take_the_name_of_anything_but_a_socket(self):
         file = self.folder / "recording.csv"
         file.write_text("t_s,rate_dps\n")

@@ -7,6 +7,7 @@ usage: recordings_test.py ZERORATE [unittest arguments]
 
 import csv
 import json
+import math
 import pathlib
 import random
 import struct
@@ -146,12 +147,13 @@ def imu(stamp, rates=(0.0, 0.0, 0.0), covariance=0.0):
     return message
 
 
-def odometry(stamp, speed_mps):
+def odometry(stamp, speed_mps, turn_radps=0.0):
     message = Odometry()
     message.header.stamp = stamp
     message.header.frame_id = "odom"
     message.child_frame_id = "base_link"
     message.twist.twist.linear.x = speed_mps
+    message.twist.twist.angular.z = turn_radps
     return message
 
 
@@ -242,6 +244,18 @@ class BagOfRos1(unittest.TestCase):
             self.assert_same(command, "--json", "-", of_csv=wheels)
         self.assertEqual(self.rows(), self.rows(*wheels, path=self.folder / "run.csv"))
         self.assertEqual({line.rsplit(",", 1)[1] for line in self.rows()[1:]}, {"0", "1"})
+
+    def test_that_turns_on_the_spot_moves(self):
+        """The speed forwards is 0 all the time; the turn of 30 deg/s in the second half shall not become bias."""
+        messages = []
+        for k in range(self.ROWS):
+            turn = math.radians(30.0) if k % 600 > 400 else 0.0
+            messages.append(("/imu", imu(at(k), (0.01, 0.0, turn))))
+            messages.append(("/odom", odometry(at(k), 0.0, turn)))
+        self.write(messages)
+        still = [(line.split(",")[3], line.rsplit(",", 1)[1]) for line in self.rows()[1:]]
+        self.assertEqual({rate for rate, is_still in still if is_still == "1"}, {"0"})
+        self.assertEqual({is_still for rate, is_still in still if rate != "0"}, {"0"})
 
     def test_may_be_compressed(self):
         self.write_with_csv(is_moving=True)

@@ -70,7 +70,13 @@ class UdpSource final : public DatagramSource {
     // less.
     constexpr int kBytes = 4 * 1024 * 1024;
     (void)setsockopt(socket_.get(), SOL_SOCKET, SO_RCVBUF, &kBytes, sizeof kBytes);
-    if (bind(socket_.get(), address.get(), address.size) != 0) fail(this->name());
+    if (bind(socket_.get(), address.get(), address.size) == 0) return;
+    const int error = errno;
+    const char* const cure =
+        error == EADDRINUSE ? " (another program receives there, such as a node of ROS? a second "
+                              "[[sink]] of zerorated with a port of its own serves both)"
+                            : "";
+    throw std::system_error(error, std::generic_category(), this->name() + cure);
   }
 
   [[nodiscard]] int descriptor() const override { return socket_.get(); }

@@ -2,6 +2,7 @@
 /// A bag of ROS 1 or ROS 2: its topics, and their messages as bytes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,18 +21,28 @@ namespace zerorate::recording {
 /// packed fields in little-endian order in ROS 1.
 enum class Serialization : std::uint8_t { cdr, ros1 };
 
+/// Messages that are read.
+/// `bias` is not read: its topic shows that the node of ROS has corrected the rates beside it.
+enum class MessageType : std::uint8_t { imu, odometry, twist_stamped, twist, bias };
+
 /// Differences between the bags of the two.
 struct BagFormat {
   Serialization serialization;
-  std::string_view name;  ///< for messages
-  std::string_view imu_type;
-  std::string_view odometry_type;
-  std::string_view info_command;  ///< shows its user what a bag holds
+  std::string_view name;                  ///< for messages
+  std::array<std::string_view, 5> types;  ///< names of MessageType, in its order
+  std::string_view info_command;          ///< shows its user what a bag holds
 
-  [[nodiscard]] std::string_view type(Needs needs) const {
-    return needs == Needs::rates ? imu_type : odometry_type;
+  [[nodiscard]] std::string_view name_of(MessageType type) const {
+    return types.at(static_cast<std::size_t>(type));
   }
 };
+
+inline constexpr std::array<std::string_view, 5> kRos1Types{
+    "sensor_msgs/Imu", "nav_msgs/Odometry", "geometry_msgs/TwistStamped", "geometry_msgs/Twist",
+    "geometry_msgs/TwistWithCovarianceStamped"};
+inline constexpr std::array<std::string_view, 5> kRos2Types{
+    "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped",
+    "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistWithCovarianceStamped"};
 
 /// One message.
 struct BagMessage {
@@ -45,23 +56,28 @@ class Bag {
   virtual ~Bag() = default;
 
   [[nodiscard]] virtual const BagFormat& format() const = 0;
-  /// Names of the topics with messages for rates or motion, in alphabetical order.
-  [[nodiscard]] virtual std::vector<std::string> topics(Needs needs) = 0;
+  /// Names of the topics with messages of a type, in alphabetical order.
+  [[nodiscard]] virtual std::vector<std::string> topics(MessageType type) = 0;
   /// Begins with the first message of a topic; gives how many there are.
-  virtual std::uint64_t select(const std::string& topic, Needs needs) = 0;
+  virtual std::uint64_t select(const std::string& topic, MessageType type) = 0;
   /// Reads the next message, in the order of recording; false at the end.
   [[nodiscard]] virtual bool next(BagMessage& message) = 0;
   /// File of the message that was read last.
   [[nodiscard]] virtual const std::filesystem::path& file() const = 0;
 };
 
-/// Opens a bag: a .db3 file, a folder of them, or a .bag file; null where the path is none of them.
-/// Throws Error, also for a .bag file where the build lacks the library for it.
+/// Opens a bag: a .db3 or .mcap file, a folder of them, or a .bag file; null where the path is none
+/// of them. Throws Error, also for a .bag file where the build lacks the library for it.
 [[nodiscard]] std::unique_ptr<Bag> open_bag(const std::filesystem::path& path);
 
 /// Opens the database of a bag of ROS 2, or all of its folder in the order of their messages; null
 /// where there is none. Throws Error.
 [[nodiscard]] std::unique_ptr<Bag> open_ros2_bag(const std::filesystem::path& path);
+
+/// Opens a bag of ROS 2 in MCAP, or all such files of its folder in the order of their messages;
+/// null where there is none. Chunks may be compressed by lz4 and zstd, where Debian's libraries are
+/// there. Throws Error.
+[[nodiscard]] std::unique_ptr<Bag> open_mcap_bag(const std::filesystem::path& path);
 
 /// Opens a bag of ROS 1. Throws Error. Only where Debian's librosbag-storage is there.
 [[nodiscard]] std::unique_ptr<Bag> open_ros1_bag(const std::filesystem::path& path);

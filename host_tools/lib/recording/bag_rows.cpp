@@ -105,35 +105,107 @@ void take_rates(FieldReader& message, Row& row) {
   take_vector(message, row.acceleration_m_s2);
 }
 
+/// Size of a vector.
+float take_size(FieldReader& message) {
+  const double x = message.float64();
+  const double y = message.float64();
+  return static_cast<float>(std::hypot(x, y, message.float64()));
+}
+
+/// geometry_msgs/Twist. The whole vectors count: whatever moves is not at rest.
+void take_twist(FieldReader& message, Row& row) {
+  row.speed_m_s = take_size(message);
+  row.turn_rad_s = take_size(message);
+}
+
 /// Rest of a nav_msgs/Odometry behind its header.
-void take_speed(FieldReader& message, Row& row) {
+void take_odometry(FieldReader& message, Row& row) {
   constexpr std::size_t kPose = 3 + 4 + 36;
   message.skip_string();
   message.skip_float64(kPose);
-  const double forwards = message.float64();
-  row.speed_m_s = static_cast<float>(std::hypot(forwards, message.float64()));
+  take_twist(message, row);
+}
+
+/// The rest of a message behind its header.
+void take_fields(FieldReader& message, MessageType type, Row& row) {
+  switch (type) {
+    case MessageType::imu:
+      return take_rates(message, row);
+    case MessageType::odometry:
+      return take_odometry(message, row);
+    case MessageType::twist_stamped:
+    case MessageType::twist:
+      return take_twist(message, row);
+    case MessageType::bias:
+      return;
+  }
+}
+
+struct Topic {
+  std::string name;
+  MessageType type;
+};
+
+/// Option and types of the messages for rates or motion. Without a name only the first type counts:
+/// a Twist may be a command that nobody obeyed.
+struct Wanted {
+  const char* option;
+  std::vector<MessageType> types;
+};
+
+Wanted wanted_for(Needs needs) {
+  if (needs == Needs::rates) return {"--topic", {MessageType::imu}};
+  return {"--odometry-topic",
+          {MessageType::odometry, MessageType::twist_stamped, MessageType::twist}};
+}
+
+/// Refuses rates that the node of ROS has corrected, unless their user names them.
+void refuse_corrected(Bag& bag, const std::string& topic) {
+  constexpr std::string_view kData = "imu/data";
+  if (!topic.ends_with(kData)) return;
+  const std::string bias = topic.substr(0, topic.size() - kData.size()) + "imu/bias";
+  const std::vector<std::string> biases = bag.topics(MessageType::bias);
+  if (std::ranges::find(biases, bias) == biases.end()) return;
+  throw Error{{bag.file().string()},
+              fmt::format("{} beside {}: rates whose bias was already taken out", topic, bias),
+              "rates as the chip gave them",
+              fmt::format("Record imu/data_raw; to take them all the same, --topic {}.", topic)};
 }
 
 /// The topic that is meant: the one named, or the only one with such messages.
-std::string choose_topic(Bag& bag, Needs needs, const std::string& named) {
-  const std::vector<std::string> topics = bag.topics(needs);
-  const char* const option = needs == Needs::rates ? "--topic" : "--odometry-topic";
-  const std::string_view type = bag.format().type(needs);
-  const std::string list = fmt::format("{}", fmt::join(topics, ", "));
+Topic choose_topic(Bag& bag, Needs needs, const std::string& named) {
+  const Wanted wanted = wanted_for(needs);
+  const std::span<const MessageType> types{wanted.types.data(),
+                                           named.empty() ? 1 : wanted.types.size()};
+  std::vector<Topic> topics;
+  std::vector<std::string> names;
+  std::vector<std::string_view> type_names;
+  for (const MessageType type : types) {
+    type_names.push_back(bag.format().name_of(type));
+    for (std::string& name : bag.topics(type)) {
+      names.push_back(name);
+      topics.push_back({std::move(name), type});
+    }
+  }
+  const std::string type = fmt::format("{}", fmt::join(type_names, ", "));
+  const std::string list = fmt::format("{}", fmt::join(names, ", "));
   const Place place{bag.file().string()};
   if (topics.empty()) {
     throw Error{place, fmt::format("no topic with messages of {}", type), "one such topic",
                 fmt::format("See what the bag holds: {}.", bag.format().info_command)};
   }
-  if (!named.empty() && std::ranges::find(topics, named) == topics.end()) {
-    throw Error{place, fmt::format("no topic {} with messages of {}", excerpt(named), type), list,
-                fmt::format("Name one of them: {}.", option)};
-  }
-  if (named.empty() && topics.size() > 1) {
+  if (named.empty()) {
+    if (topics.size() == 1) {
+      if (needs == Needs::rates) refuse_corrected(bag, names.front());
+      return topics.front();
+    }
     throw Error{place, fmt::format("{} topics with messages of {}", topics.size(), type), list,
-                fmt::format("Name the one that is meant: {}.", option)};
+                fmt::format("Name the one that is meant: {}.", wanted.option)};
   }
-  return named.empty() ? topics.front() : named;
+  const auto found = std::ranges::find(topics, named, &Topic::name);
+  if (found != topics.end()) return *found;
+  throw Error{place, fmt::format("no topic {} with messages of {}", excerpt(named), type), list,
+              fmt::format("Name one of them: {}.", wanted.option)};
 }
 
 }  // namespace
@@ -148,7 +220,10 @@ bool file_begins_with(const std::filesystem::path& file, std::string_view text) 
 }
 
 std::unique_ptr<Bag> open_bag(const std::filesystem::path& path) {
-  if (!file_begins_with(path, kRos1Magic)) return open_ros2_bag(path);
+  if (!file_begins_with(path, kRos1Magic)) {
+    auto mcap = open_mcap_bag(path);
+    return mcap ? std::move(mcap) : open_ros2_bag(path);
+  }
 #ifdef ZERORATE_HAS_ROSBAG
   return open_ros1_bag(path);
 #else
@@ -162,11 +237,12 @@ std::unique_ptr<Bag> open_bag(const std::filesystem::path& path) {
 
 BagRows::BagRows(std::unique_ptr<Bag> bag, Needs needs, const std::string& topic)
     : bag_(std::move(bag)),
-      needs_(needs),
-      topic_(choose_topic(*bag_, needs, topic)),
-      columns_{.rate_unit = RateUnit::rad_per_s, .speed = needs == Needs::motion},
-      messages_known_(bag_->select(topic_, needs)),
-      first_(take_first()) {
+      columns_{.rate_unit = RateUnit::rad_per_s, .speed = needs == Needs::motion} {
+  const Topic chosen = choose_topic(*bag_, needs, topic);
+  topic_ = chosen.name;
+  type_ = chosen.type;
+  messages_known_ = bag_->select(topic_, type_);
+  first_ = take_first();
   columns_.acceleration = first_->has_acceleration();
 }
 
@@ -199,15 +275,11 @@ Row BagRows::decode(const BagMessage& message, std::uint64_t number) const {
   Row row;
   try {
     FieldReader reader{message.bytes, bag_->format().serialization};
-    const std::int64_t stamp_ns = take_stamp(reader);
+    const std::int64_t stamp_ns = type_ == MessageType::twist ? 0 : take_stamp(reader);
     row.time_ns = stamp_ns != 0 ? stamp_ns : message.recorded_ns;
-    if (needs_ == Needs::rates) {
-      take_rates(reader, row);
-    } else {
-      take_speed(reader, row);
-    }
+    take_fields(reader, type_, row);
   } catch (const FieldReader::Truncated&) {
-    throw bad("a message that ends early", bag_->format().type(needs_));
+    throw bad("a message that ends early", bag_->format().name_of(type_));
   }
   if (!core::is_in_range(core::Instant::from_ns(row.time_ns)))
     throw bad("an impossible time", "a time since 1970");

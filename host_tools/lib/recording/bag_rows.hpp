@@ -13,10 +13,11 @@
 
 namespace zerorate::recording {
 
-/// Reads the messages of one topic: sensor_msgs/Imu for rates, nav_msgs/Odometry for motion, whose
-/// speed is that of its twist. A row has the stamp of the message's header, or where that is zero
-/// the time at which it was recorded. A rate or an acceleration whose covariance begins with -1 is
-/// lost (REP 145); a bag whose first message lacks the acceleration has no column of it.
+/// Reads the messages of one topic: sensor_msgs/Imu for rates; for motion nav_msgs/Odometry or, if
+/// the topic is named, geometry_msgs/TwistStamped or geometry_msgs/Twist. Speed and rate of turn
+/// are those of the twist. A row has the stamp of the message's header, or where that is zero the
+/// time at which it was recorded. A rate or an acceleration whose covariance begins with -1 is lost
+/// (REP 145); a bag whose first message lacks the acceleration has no column of it.
 class BagRows : public RowSource {
  public:
   /// @param topic  empty: the only one with such messages
@@ -33,11 +34,11 @@ class BagRows : public RowSource {
   [[nodiscard]] Row decode(const BagMessage& message, std::uint64_t number) const;
 
   std::unique_ptr<Bag> bag_;
-  Needs needs_;
   std::string topic_;
+  MessageType type_ = MessageType::imu;
   Columns columns_;
   std::uint64_t messages_ = 0;  ///< given so far
-  std::uint64_t messages_known_;
+  std::uint64_t messages_known_ = 0;
   std::optional<Row> first_;  ///< shows the columns; until it is given
 };
 

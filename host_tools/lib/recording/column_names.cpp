@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 namespace zerorate::recording {
 namespace {
@@ -82,6 +83,13 @@ const Quantity* quantity_in_name(std::string_view name) {
   if (stem == nullptr) return nullptr;
   const Quantity* const quantity = find_quantity(stem->key);
   return parse_unit(quantity->dimension, unit) ? quantity : nullptr;
+}
+
+bool begins_with(std::string_view name, std::string_view lower_case_stem) {
+  return name.size() >= lower_case_stem.size() &&
+         std::equal(
+             lower_case_stem.begin(), lower_case_stem.end(), name.begin(),
+             [](char stem, char c) { return stem == std::tolower(static_cast<unsigned char>(c)); });
 }
 
 }  // namespace zerorate::recording

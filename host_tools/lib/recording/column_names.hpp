@@ -16,4 +16,7 @@ namespace zerorate::recording {
 /// Unit that a name gives to a quantity of this dimension; nullopt where it gives none.
 [[nodiscard]] std::optional<Unit> unit_in_name(Dimension dimension, std::string_view name);
 
+/// Whether a name begins, in any case, with a stem in lower case.
+[[nodiscard]] bool begins_with(std::string_view name, std::string_view lower_case_stem);
+
 }  // namespace zerorate::recording

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "core/base/time.hpp"
@@ -49,6 +50,7 @@ bool CsvRows::next(Row& row) {
     Row parsed;
     if (!parse(line, parsed)) continue;
     if (!lines_.is_terminated()) parsed.findings.add(Finding::line_unterminated);
+    if (header_.has_ticks) parsed.odometer_pulses = count_ticks();
     ++rows_;
     row = parsed;
     return true;
@@ -135,6 +137,12 @@ void CsvRows::parse_field(const Column& column, const Fields& fields, Row& row) 
     case Meaning::still:
       row.still = parse_still(column, fields);
       break;
+    case Meaning::ticks:
+      wheels_[column.axis].read = parse_count(column, fields);
+      break;
+    case Meaning::turn:
+      row.turn_rad_s = parse_measured(column, fields);
+      break;
     case Meaning::speed:
       row.speed_m_s = parse_measured(column, fields);
       break;
@@ -193,6 +201,16 @@ bool CsvRows::parse_still(const Column& column, const Fields& fields) const {
                     "Write 0 where it is not known: such a sample is never calibrated on.");
   }
   return still->value == 1;
+}
+
+/// Ticks of all wheels since the first row, forwards and backwards alike: wheels that turn against
+/// each other do not cancel.
+std::int64_t CsvRows::count_ticks() {
+  for (Wheel& wheel : wheels_) {
+    if (rows_ > 0) ticks_ += std::abs(wheel.read - wheel.counted);
+    wheel.counted = wheel.read;
+  }
+  return ticks_;
 }
 
 float CsvRows::parse_measured(const Column& column, const Fields& fields) {

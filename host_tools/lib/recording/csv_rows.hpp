@@ -44,6 +44,7 @@ class CsvRows : public RowSource {
   [[nodiscard]] std::int64_t parse_time(const Column& column, const Fields& fields);
   [[nodiscard]] std::int64_t parse_nanoseconds(const Column& column, const Fields& fields) const;
   [[nodiscard]] std::int64_t parse_count(const Column& column, const Fields& fields) const;
+  [[nodiscard]] std::int64_t count_ticks();
   [[nodiscard]] bool parse_still(const Column& column, const Fields& fields) const;
   /// The measured value in SI units.
   [[nodiscard]] float parse_measured(const Column& column, const Fields& fields);
@@ -53,10 +54,18 @@ class CsvRows : public RowSource {
                                 std::string mend) const;
   [[nodiscard]] Error bad_field_count(std::string_view line) const;
 
+  /// A counter of ticks.
+  struct Wheel {
+    std::int64_t read = 0;     ///< count in the newest row, also one that Layout::where leaves out
+    std::int64_t counted = 0;  ///< count in the newest row of this recording
+  };
+
   LineReader lines_;
   Header header_;
   bool decimal_comma_;
   std::string scratch_;
+  std::array<Wheel, kMaxWheels> wheels_{};
+  std::int64_t ticks_ = 0;
   std::uint64_t rows_ = 0;
   bool is_first_line_ = true;
   LeftOut left_out_;

@@ -77,4 +77,12 @@ class Fields {
   std::string_view text_;
 };
 
+/// The first of comma, semicolon and tab that the line has; a comma where it has none.
+[[nodiscard]] inline char delimiter_in(std::string_view line) {
+  for (const char candidate : {',', ';', '\t'}) {
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  }
+  return ',';
+}
+
 }  // namespace zerorate::recording

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 #include <utility>
 
@@ -23,8 +22,7 @@ constexpr std::string_view kNameRates =
     "Name the columns and their unit: --columns gx=NAME,gy=NAME,gz=NAME --units rate=radps.";
 constexpr std::string_view kNameTime =
     "Name the column and its unit: --columns t=NAME --units time=ms. Without one, --rows-at HZ "
-    "gives "
-    "the rate of the rows.";
+    "gives the rate of the rows.";
 constexpr std::string_view kNameMotion =
     "Name the column: --odometer-columns t=NAME,speed=NAME --odometer-units speed=kmh.";
 
@@ -110,13 +108,6 @@ std::string all_names(const NamedColumns& columns) {
     names.emplace_back(column.name);
   }
   return excerpt(fmt::format("{}", fmt::join(names, ",")));
-}
-
-bool begins_with(std::string_view name, std::string_view lower_case_stem) {
-  return name.size() >= lower_case_stem.size() &&
-         std::equal(
-             lower_case_stem.begin(), lower_case_stem.end(), name.begin(),
-             [](char stem, char c) { return stem == std::tolower(static_cast<unsigned char>(c)); });
 }
 
 /// Tells of a missing column: at the one without a meaning whose name begins, in any case, with one
@@ -261,14 +252,6 @@ void refuse_binary(const LineReader& lines, std::string_view line) {
   }
 }
 
-/// The first of comma, semicolon and tab that the line has; a comma where it has none.
-char delimiter_in(std::string_view line) {
-  for (const char candidate : {',', ';', '\t'}) {
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  }
-  return ',';
-}
-
 NamedColumns split(std::string_view line, char delimiter) {
   NamedColumns columns;
   for (Fields fields{line, delimiter}; fields.next();) {
@@ -315,6 +298,22 @@ bool may_lack_header(const Layout& layout) {
   });
 }
 
+bool has_ticks(const NamedColumns& columns) {
+  return std::ranges::any_of(columns, [](const NamedColumn& column) {
+    return column.quantity != nullptr && column.quantity->meaning == Meaning::ticks;
+  });
+}
+
+/// Refuses a rate of turn that tells nothing about rest.
+void check_turn(const LineReader& lines, const NamedColumn* turn, bool has_speed) {
+  if (turn == nullptr || (has_speed && !turn->unit->is_increment)) return;
+  throw Error{lines.place(turn->position),
+              fmt::format("{} as the rate of turn {}", turn->name,
+                          has_speed ? "in an angle a sample" : "without a speed"),
+              "a rate of turn in dps, radps or dph beside a speed",
+              "Name both: --columns speed=NAME,turn=NAME --units speed=mps,rate=radps."};
+}
+
 Columns columns_of(const LineReader& lines, const NamedColumns& named, const Layout& layout,
                    Needs needs) {
   if (find_single(lines, named, Meaning::time) == nullptr && !layout.rows_at_hz) {
@@ -323,9 +322,14 @@ Columns columns_of(const LineReader& lines, const NamedColumns& named, const Lay
   }
   Columns columns;
   const auto has = [&](Meaning meaning) { return find_single(lines, named, meaning) != nullptr; };
-  columns.odometer = has(Meaning::odometer);
+  columns.odometer = has(Meaning::odometer) || has_ticks(named);
+  if (has(Meaning::odometer) && has_ticks(named)) {
+    throw Error{lines.place(), "both pulses and ticks of wheels", "only one of them",
+                "Leave pulses or ticks1 to ticks4 out of --columns."};
+  }
   columns.still = has(Meaning::still);
   columns.speed = has(Meaning::speed);
+  check_turn(lines, find_single(lines, named, Meaning::turn), columns.speed);
   if (needs == Needs::rates) {
     const NamedColumn& rates = find_rates(lines, named);
     columns.axis_count = rates.quantity->axis_count;
@@ -335,7 +339,8 @@ Columns columns_of(const LineReader& lines, const NamedColumns& named, const Lay
     columns.rate_unit = is_in_degrees ? RateUnit::deg_per_s : RateUnit::rad_per_s;
   } else if (!columns.odometer && !columns.still && !columns.speed) {
     throw missing(lines, named, {"speed", "v", "wheel", "odo", "ticks"},
-                  "a column named odometer_pulses, still or speed_mps", kNameMotion);
+                  "a column named odometer_pulses, still or speed_mps, or ticks of wheels",
+                  kNameMotion);
   }
   columns.temperature = has(Meaning::temperature);
   columns.ref_heading = has(Meaning::ref_heading);
@@ -375,6 +380,7 @@ Header read_header(LineReader& lines, const Layout& said, Needs needs) {
   leave_out_partial_accelerations(named, layout);
   if (needs == Needs::rates) take_single_axis(named);
   header.columns = columns_of(lines, named, layout, needs);
+  header.has_ticks = has_ticks(named);
   header.columns.program = completed.program;
   for (const NamedColumn& column : named) {
     const Quantity ignored;

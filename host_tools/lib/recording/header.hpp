@@ -19,7 +19,7 @@ namespace zerorate::recording {
 struct Column {
   std::string name;
   Meaning meaning = Meaning::ignored;
-  std::size_t axis = 0;  ///< index in Row::rate_rad_s or Row::acceleration_m_s2
+  std::size_t axis = 0;  ///< index in Row::rate_rad_s or Row::acceleration_m_s2; of a wheel
   Unit unit;
   std::optional<std::string> wanted;  ///< text of the rows that are read; nullopt: any
 };
@@ -31,7 +31,8 @@ struct Header {
   char delimiter = ',';
   std::string line;  ///< header line; a logger that began again wrote it once more
   bool decimal_comma = false;
-  std::string first_row;  ///< the line that was read, where it holds numbers instead of names
+  bool has_ticks = false;  ///< pulses are the ticks of wheels
+  std::string first_row;   ///< the line that was read, where it holds numbers instead of names
 };
 
 /// Columns that a file must hold.

@@ -15,8 +15,12 @@ namespace zerorate::recording {
 
 /// Rule by which the speed of a vehicle decides that it stands.
 struct SpeedRule {
-  double dead_band_m_s = 0.0;              ///< a greater speed, forwards or backwards, is motion
-  core::Duration delay;                    ///< from the motion to the stamp of its speed
+  double dead_band_m_s = 0.0;  ///< a greater speed, forwards or backwards, is motion
+  core::Duration delay;        ///< from the motion to the stamp of its speed
+  /// Distance of the wheels of an axle. A rate of turn counts as the speed at half of it. The
+  /// default is wide for a robot that turns on the spot: too wide loses rest, too narrow takes a
+  /// slow turn for rest.
+  double track_m = 1.0;
   std::optional<double> metres_per_pulse;  ///< makes pulses of the distance instead of still
 };
 
@@ -29,7 +33,7 @@ struct Input {
   Layout odometer_layout;
   std::string accepted;        ///< doubts that are wrong, by their names: "counts,motion"
   std::string topic;           ///< topic of sensor_msgs/Imu in a bag; empty: the only one
-  std::string odometry_topic;  ///< topic of nav_msgs/Odometry in a bag; empty: the only one, if any
+  std::string odometry_topic;  ///< topic of the speed in a bag; empty: the only nav_msgs/Odometry
 
   Input() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): a path is the usual case

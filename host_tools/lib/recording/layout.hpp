@@ -22,7 +22,9 @@ enum class Meaning : std::uint8_t {
   acceleration,
   odometer,
   still,
+  ticks,
   speed,
+  turn,
   ref_heading,
   ref_rate,
   ref_speed,
@@ -48,7 +50,7 @@ struct Quantity {
   std::string_view key;  ///< key in `--columns key=NAME`
   Meaning meaning = Meaning::ignored;
   Dimension dimension = Dimension::none;
-  std::size_t axis = 0;        ///< axis of a rate or an acceleration
+  std::size_t axis = 0;        ///< axis of a rate or an acceleration, wheel of ticks
   std::size_t axis_count = 0;  ///< columns that make the set
 };
 

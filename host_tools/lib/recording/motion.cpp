@@ -82,7 +82,7 @@ std::optional<WithMotion::Word> WithMotion::hear_beside(std::int64_t latest_ns) 
 std::optional<WithMotion::Word> WithMotion::word_of(const Row& row) {
   const std::int64_t at_ns = row.time_ns - rule_.delay.ns();
   const bool is_silent =
-      !motion_columns_.odometer && !motion_columns_.still && !std::isfinite(row.speed_m_s);
+      !motion_columns_.odometer && !motion_columns_.still && !std::isfinite(fastest_wheel_m_s(row));
   if (is_silent || (latest_word_ns_ && at_ns <= *latest_word_ns_)) return std::nullopt;
   Word word{.at_ns = at_ns};
   if (motion_columns_.odometer) {
@@ -99,12 +99,17 @@ std::optional<WithMotion::Word> WithMotion::word_of(const Row& row) {
   return word;
 }
 
+/// Speed of the wheel on the outside of the turn: a robot that turns on the spot is in motion.
+double WithMotion::fastest_wheel_m_s(const Row& row) const {
+  return std::abs(double{row.speed_m_s}) + 0.5 * rule_.track_m * std::abs(double{row.turn_rad_s});
+}
+
 WithMotion::Word WithMotion::word_of_speed(const Row& row, std::int64_t at_ns) {
-  const double speed = std::abs(double{row.speed_m_s});
+  const double speed = fastest_wheel_m_s(row);
   Word word{.at_ns = at_ns, .moves = speed > rule_.dead_band_m_s};
   if (!rule_.metres_per_pulse || !last_motion_ || at_ns - *latest_word_ns_ > patience_ns())
     return word;
-  const double before = std::abs(double{last_motion_->speed_m_s});
+  const double before = fastest_wheel_m_s(*last_motion_);
   const double metres = 0.5e-9 * (speed + before) * static_cast<double>(at_ns - *latest_word_ns_);
   if (!word.moves && before <= rule_.dead_band_m_s) return word;
   rest_of_pulse_ += metres / *rule_.metres_per_pulse;

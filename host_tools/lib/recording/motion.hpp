@@ -51,6 +51,7 @@ class WithMotion : public RowSource {
   [[nodiscard]] std::optional<Word> hear(std::int64_t latest_ns);
   [[nodiscard]] std::optional<Word> hear_beside(std::int64_t latest_ns);
   [[nodiscard]] std::optional<Word> word_of(const Row& row);
+  [[nodiscard]] double fastest_wheel_m_s(const Row& row) const;
   [[nodiscard]] Word word_of_speed(const Row& row, std::int64_t at_ns);
   [[nodiscard]] bool is_known_at(std::int64_t time_ns) const;
   [[nodiscard]] std::int64_t patience_ns() const;

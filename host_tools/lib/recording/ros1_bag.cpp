@@ -19,8 +19,7 @@ namespace {
 
 constexpr BagFormat kRos1Format{.serialization = Serialization::ros1,
                                 .name = "a bag of ROS 1",
-                                .imu_type = "sensor_msgs/Imu",
-                                .odometry_type = "nav_msgs/Odometry",
+                                .types = kRos1Types,
                                 .info_command = "rosbag info"};
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
 constexpr const char* kReindex = "Try to mend it: rosbag reindex.";
@@ -296,22 +295,22 @@ class Ros1Bag : public Bag {
 
   [[nodiscard]] const BagFormat& format() const override { return kRos1Format; }
 
-  [[nodiscard]] std::vector<std::string> topics(Needs needs) override {
+  [[nodiscard]] std::vector<std::string> topics(MessageType type) override {
     std::set<std::string> topics;
     guarded([&] {
       rosbag::View everything{bag_};
       for (const rosbag::ConnectionInfo* connection : everything.getConnections()) {
-        if (connection->datatype == kRos1Format.type(needs)) topics.insert(connection->topic);
+        if (connection->datatype == kRos1Format.name_of(type)) topics.insert(connection->topic);
       }
     });
     return {topics.begin(), topics.end()};
   }
 
-  std::uint64_t select(const std::string& topic, Needs needs) override {
+  std::uint64_t select(const std::string& topic, MessageType type) override {
     std::uint64_t messages = 0;
     guarded([&] {
       view_.emplace(bag_, [=](const rosbag::ConnectionInfo* connection) {
-        return connection->topic == topic && connection->datatype == kRos1Format.type(needs);
+        return connection->topic == topic && connection->datatype == kRos1Format.name_of(type);
       });
       messages = view_->size();
       message_ = view_->begin();

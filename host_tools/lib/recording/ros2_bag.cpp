@@ -22,14 +22,8 @@ constexpr const char* kFirstTime = "SELECT COALESCE(MIN(timestamp), 0) FROM mess
 
 constexpr BagFormat kRos2Format{.serialization = Serialization::cdr,
                                 .name = "a bag of ROS 2",
-                                .imu_type = "sensor_msgs/msg/Imu",
-                                .odometry_type = "nav_msgs/msg/Odometry",
+                                .types = kRos2Types,
                                 .info_command = "ros2 bag info"};
-
-/// Name of a message's type as bags that were converted from ROS 1 may write it.
-const char* ros1_type(Needs needs) {
-  return needs == Needs::rates ? "sensor_msgs/Imu" : "nav_msgs/Odometry";
-}
 
 using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 
@@ -117,10 +111,12 @@ class Ros2Bag : public Bag {
 
   [[nodiscard]] const BagFormat& format() const override { return kRos2Format; }
 
-  [[nodiscard]] std::vector<std::string> topics(Needs needs) override {
+  [[nodiscard]] std::vector<std::string> topics(MessageType type) override {
     Database database{files_.front()};
-    const std::string type{kRos2Format.type(needs)};
-    const Statement query = database.prepare(kTopics, {type.c_str(), ros1_type(needs)});
+    // Bags that were converted from ROS 1 may keep its names.
+    const std::string name{kRos2Format.name_of(type)};
+    const std::string name_in_ros1{kRos1Types.at(static_cast<std::size_t>(type))};
+    const Statement query = database.prepare(kTopics, {name.c_str(), name_in_ros1.c_str()});
     std::vector<std::string> topics;
     while (database.step(query)) {
       topics.emplace_back(reinterpret_cast<const char*>(sqlite3_column_text(query.get(), 0)));
@@ -128,7 +124,7 @@ class Ros2Bag : public Bag {
     return topics;
   }
 
-  std::uint64_t select(const std::string& topic, Needs /*needs*/) override {
+  std::uint64_t select(const std::string& topic, MessageType /*type*/) override {
     topic_ = topic;
     std::int64_t messages = 0;
     for (const auto& file : files_) messages += Database{file}.number(kCount, {topic.c_str()});

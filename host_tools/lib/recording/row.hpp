@@ -16,6 +16,7 @@
 namespace zerorate::recording {
 
 inline constexpr std::size_t kMaxAxes = 3;
+inline constexpr std::size_t kMaxWheels = 4;
 
 inline constexpr std::array<float, kMaxAxes> kNoAcceleration = {
     std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN(),
@@ -61,6 +62,7 @@ struct Row {
   std::int64_t odometer_pulses = 0;  ///< counted since some moment before the recording
   bool still = false;
   float speed_m_s = std::numeric_limits<float>::quiet_NaN();  ///< speed by the vehicle's odometer
+  float turn_rad_s = 0.0F;  ///< rate of turn by the vehicle's odometer, not by the gyro
   /// Heading by a reference system, of any origin and sign, wrapped or not. Single precision
   /// resolves 0.0000003 of its size: a wrapped heading to 0.00003 deg.
   float ref_heading_rad = std::numeric_limits<float>::quiet_NaN();

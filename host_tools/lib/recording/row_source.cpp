@@ -74,10 +74,11 @@ std::unique_ptr<RowSource> with_odometer_file(std::unique_ptr<RowSource> rates,
     return std::make_unique<WithMotion>(std::move(rates), nullptr, rule);
   }
   if (!input.speed) return rates;
-  throw Error{{input.path.string()},
-              columns.speed ? "pulses or still beside the speed" : "no speed",
-              "a speed alone for --still-below, --speed-delay and --metres-per-pulse",
-              "Name its column: --speed-column NAME --units speed=mps."};
+  throw Error{
+      {input.path.string()},
+      columns.speed ? "pulses or still beside the speed" : "no speed",
+      "a speed alone for --still-below, --speed-delay, --track-width and --metres-per-pulse",
+      "Name its column: --speed-column NAME --units speed=mps."};
 }
 
 #ifdef ZERORATE_HAS_SQLITE
@@ -91,7 +92,8 @@ std::unique_ptr<RowSource> open_rows_of_bag(const Input& input) {
                 "no columns and units: its messages define them",
                 "Leave out --columns and --units; --topic names what is read."};
   }
-  const bool has_odometry = !input.odometry_topic.empty() || !bag->topics(Needs::motion).empty();
+  const bool has_odometry =
+      !input.odometry_topic.empty() || !bag->topics(MessageType::odometry).empty();
   auto rates = on_one_time_line(
       std::make_unique<BagRows>(std::move(bag), Needs::rates, input.topic), input.path.string());
   if (!has_odometry || !input.odometer_path.empty())

@@ -27,7 +27,7 @@ bool same_rates(const Row& one, const Row& other) {
 bool same_values(const Row& one, const Row& other) {
   return same_rates(one, other) && same_bits(one.temperature_degc, other.temperature_degc) &&
          one.odometer_pulses == other.odometer_pulses && one.still == other.still &&
-         same_bits(one.speed_m_s, other.speed_m_s) &&
+         same_bits(one.speed_m_s, other.speed_m_s) && same_bits(one.turn_rad_s, other.turn_rad_s) &&
          same_bits(one.ref_heading_rad, other.ref_heading_rad) &&
          std::ranges::equal(one.acceleration_m_s2, other.acceleration_m_s2, same_bits);
 }

@@ -14,7 +14,8 @@
 
 namespace zerorate::linux_node {
 
-enum class BusKind : std::uint8_t { spi, i2c, iio };
+/// `udp` and `unix_socket`: another program sends the samples.
+enum class BusKind : std::uint8_t { spi, i2c, iio, udp, unix_socket };
 
 /// Name of the gyro that needs no hardware: an LSM6DSO at the level of its registers.
 inline constexpr std::string_view kSimulatedChip = "simulated";
@@ -23,8 +24,9 @@ inline constexpr std::string_view kSimulatedChip = "simulated";
 struct GyroSettings {
   std::string chip;  ///< a ChipDescription's name, or kSimulatedChip; on IIO also empty: unknown
   BusKind bus = BusKind::spi;  ///< one of the chip's
-  std::string device;          ///< "/dev/spidev0.0", "/dev/i2c-1"; on IIO see find_iio_device
-  std::uint8_t address = 0;    ///< on I2C
+  std::string device;  ///< "/dev/spidev0.0", "/dev/i2c-1"; on IIO see find_iio_device; by message
+                       ///< the origin's name
+  std::uint8_t address = 0;            ///< on I2C
   std::uint32_t speed_hz = 1'000'000;  ///< on SPI
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
@@ -36,6 +38,9 @@ struct GyroSettings {
   double time_factor = 1.0;  ///< speed of the simulated gyro's clock over the true one
   bool drives = true;        ///< whether the simulated vehicle ever leaves its place
 
+  [[nodiscard]] bool is_by_message() const {
+    return bus == BusKind::udp || bus == BusKind::unix_socket;
+  }
   [[nodiscard]] bool is_simulated() const { return chip == kSimulatedChip; }
   /// Name of the chip whose rates, ranges and noise model are the gyro's.
   [[nodiscard]] std::string_view model_chip() const {

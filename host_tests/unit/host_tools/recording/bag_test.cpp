@@ -85,16 +85,20 @@ std::string imu(std::uint32_t second, double rate, const ImuFields& fields = {})
       .bytes();
 }
 
-std::string odometry(std::uint32_t second, double forwards) {
+std::string odometry(std::uint32_t second, double forwards, double turn_rad_s = 0.0) {
   return Message(false)
       .u32(second)
       .u32(0)
       .text("odom")
       .text("base_link")
       .zeros(3 + 4 + 36)
-      .f64({forwards})
-      .zeros(5 + 36)
+      .f64({forwards, 0.0, 0.0, 0.0, 0.0, turn_rad_s})
+      .zeros(36)
       .bytes();
+}
+
+std::string twist(double forwards, double turn_rad_s) {
+  return Message(false).f64({forwards, 0.0, 0.0, 0.0, 0.0, turn_rad_s}).bytes();
 }
 
 /// Writes databases as rosbag2 does.
@@ -208,6 +212,42 @@ TEST_F(Bag, TellsRestByTheSpeedOfItsOdometry) {
     message(2, second, odometry(second, second < 5 ? -0.4 : 0.0));
   }
   const auto rows = read({path_});
+  EXPECT_TRUE(columns_.still);
+  EXPECT_FALSE(rows[4].still);
+  EXPECT_TRUE(rows[5].still);
+}
+
+TEST_F(Bag, TellsATurnOnTheSpotFromRest) {
+  topic(1, "/imu", "sensor_msgs/msg/Imu");
+  topic(2, "/odom", "nav_msgs/msg/Odometry");
+  for (std::uint32_t second = 0; second < 10; ++second) {
+    message(1, second, imu(second, 0.0));
+    message(2, second, odometry(second, 0.0, second < 5 ? -0.5 : 0.0));
+  }
+  Input input{path_};
+  const auto rows = read(input);
+  EXPECT_FALSE(rows[4].still);
+  EXPECT_TRUE(rows[5].still);
+  // Half a track of 1 m, unless stated otherwise: 0.25 m/s.
+  input.speed = SpeedRule{.dead_band_m_s = 0.24};
+  EXPECT_FALSE(read(input)[4].still);
+  input.speed->dead_band_m_s = 0.26;
+  EXPECT_TRUE(read(input)[4].still);
+}
+
+TEST_F(Bag, TakesRestFromATwistThatIsNamed) {
+  topic(1, "/imu", "sensor_msgs/msg/Imu");
+  topic(2, "/cmd_vel", "geometry_msgs/msg/Twist");
+  for (std::uint32_t second = 0; second < 10; ++second) {
+    message(1, second, imu(second, 0.0));
+    // A Twist has no stamp: the time of recording counts.
+    message(2, second * 1'000'000'000LL + 500'000'000, twist(0.0, second < 5 ? 0.5 : 0.0));
+  }
+  Input input{path_};
+  static_cast<void>(read(input));
+  EXPECT_FALSE(columns_.still);
+  input.odometry_topic = "/cmd_vel";
+  const auto rows = read(input);
   EXPECT_TRUE(columns_.still);
   EXPECT_FALSE(rows[4].still);
   EXPECT_TRUE(rows[5].still);

@@ -278,6 +278,43 @@ TEST_F(Motion, IsCountedByAFileOfPulses) {
   EXPECT_EQ(rows[29].odometer_pulses, 3);
 }
 
+TEST_F(Motion, IsATurnOnTheSpot) {
+  input_.layout.set_columns("speed=v,turn=w");
+  input_.layout.set_units("speed=mps,rate=radps");
+  const std::string turning = "t_s,rate_dps,v,w\n0,0,0,0.5\n0.1,0,0,-0.5\n0.2,0,0,-0.5\n";
+  EXPECT_THAT(rests(read(turning)), ElementsAre());
+  // Half a track of 0.3 m: the wheels go 0.075 m/s.
+  input_.speed = SpeedRule{.dead_band_m_s = 0.074, .track_m = 0.3};
+  EXPECT_THAT(rests(read(turning)), ElementsAre());
+  input_.speed->dead_band_m_s = 0.076;
+  EXPECT_FALSE(rests(read(turning)).empty());
+  // A lost rate of turn leaves the motion unknown.
+  input_.speed.reset();
+  EXPECT_THAT(rests(read("t_s,rate_dps,v,w\n0,0,0,\n0.1,0,0,\n")), ElementsAre());
+}
+
+TEST_F(Motion, IsATurnOnlyBesideASpeed) {
+  input_.layout.set_columns("turn=w");
+  input_.layout.set_units("rate=radps");
+  EXPECT_THAT(complaint("t_s,rate_dps,w\n0,0,0\n"), HasSubstr("--columns speed=NAME,turn=NAME"));
+}
+
+TEST_F(Motion, IsCountedByWheelsThatTurnAgainstEachOther) {
+  input_.layout.set_columns("ticks1=left,ticks2=right");
+  input_.layout.set_where("id=0");
+  const auto rows = read(
+      "t_s,rate_dps,left,right,id\n0,0,-100,7,0\n0.1,0,0,0,1\n0.2,0,-103,10,0\n0.3,0,-103,10,0\n");
+  ASSERT_EQ(rows.size(), 3);
+  EXPECT_TRUE(columns_.odometer);
+  EXPECT_EQ(rows[0].odometer_pulses, 0);
+  EXPECT_EQ(rows[1].odometer_pulses, 6);
+  EXPECT_EQ(rows[2].odometer_pulses, 6);
+  EXPECT_TRUE(rows[2].findings.empty());
+  input_.layout.set_columns("pulses=id");
+  EXPECT_THAT(complaint("t_s,rate_dps,left,right,id\n0,0,1,1,0\n"),
+              HasSubstr("both pulses and ticks"));
+}
+
 TEST_F(Motion, NeedsASpeedForItsRule) {
   input_.speed = SpeedRule{.dead_band_m_s = 0.1};
   EXPECT_THAT(complaint("t_s,rate_dps\n0,1\n"), HasSubstr("--speed-column"));

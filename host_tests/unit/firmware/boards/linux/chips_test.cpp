@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <random>
 #include <span>
 
@@ -58,15 +57,6 @@ TEST(SignalOfACanFrame, IsNoneInAFrameThatIsTooShort) {
   const std::array<std::uint8_t, 2> payload{0x12, 0x34};
   EXPECT_EQ(decode_signal(signal, payload), 4660.0);
   EXPECT_FALSE(decode_signal(signal, std::span{payload}.first(1)));
-}
-
-TEST(SpeedInADatagram, IsANumberOrAWord) {
-  EXPECT_EQ(decode_text(" -1.5\n"), -1.5);
-  EXPECT_EQ(decode_text("still\n"), 0.0);
-  EXPECT_EQ(decode_text("moving"), std::numeric_limits<double>::infinity());
-  for (const char* const text : {"", " ", "nan", "inf", "1,5", "1.5 m/s", "Still", "1e999"}) {
-    EXPECT_FALSE(decode_text(text)) << text;
-  }
 }
 
 TEST(ChipOfIio, IsTheOneWhoseNameTheDeviceBears) {

@@ -164,7 +164,8 @@ TEST(ConfigurationWithAMistake, IsRefusedWithPlaceAndExpected) {
        "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated" + all_chips() +
            "); did you mean \"lsm6dso\"?"},
       {with("bus = \"i2c\"", "bus = \"simulated\""),
-       "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\", \"i2c\" or \"iio\""},
+       "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\", \"i2c\", \"iio\", \"udp\" or "
+       "\"unix\""},
       {with("device = \"/dev/i2c-1\"\n", ""),
        "z.toml:3:1: missing \"device\" in [gyro]; expected text in quotes"},
       {with("0x6B", "0x11"), "z.toml:7:11: \"address\" in [gyro]: the chip answers at 0x6a, 0x6b"},
