@@ -122,7 +122,8 @@ NumberedMessage good_message() {
 }
 
 std::int32_t yaw_count(const CanFrame& frame) {
-  const std::uint32_t raw = frame.data[2] | frame.data[3] << 8U | frame.data[4] << 16U;
+  const auto byte = [&](std::size_t at) { return std::uint32_t{frame.data.at(at)}; };
+  const std::uint32_t raw = byte(2) | byte(3) << 8U | byte(4) << 16U;
   return static_cast<std::int32_t>(raw << 8U) >> 8;
 }
 bool is_valid(const CanFrame& frame) {
