@@ -109,7 +109,7 @@ def other_processors(shop):
     for architecture, (abi, _) in RISCV.items():
         flags = f"-march={architecture} -mabi={abi}"
         rows[f"RISC-V {architecture}"] = [
-            size_of(compiled(shop, "riscv64-unknown-elf-", flags, count), "riscv64-unknown-elf-", f"{flags} -Wl,--no-relax")
+            size_of(compiled(shop, "riscv64-unknown-elf-", flags, count), "riscv64-unknown-elf-", flags)
             for count in (12, 1)]
     # Debian's libgcc for the lx106 lacks the software floating point, which is in that chip's ROM.
     rows["Xtensa lx106, the object alone"] = [

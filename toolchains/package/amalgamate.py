@@ -16,7 +16,7 @@ import sys
 REPOSITORY = pathlib.Path(__file__).parents[2]
 SOURCES = ("firmware/c_api/zerorate.cpp", "core/base/assert.cpp")
 INCLUDE_FOLDER = "firmware/c_api/include"
-SKETCH = "firmware/c_api/examples/arduino/heading"
+SKETCH = "docs/examples/arduino/heading"
 HEADERS = ("zerorate.h", "zerorate_references.h", "zerorate_size.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 

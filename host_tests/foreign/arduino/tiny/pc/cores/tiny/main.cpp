@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "board.h"
+#include <board.h>
 
 namespace {
 constexpr uint32_t kTwoMinutes_us = 120'000'000;

@@ -1,9 +1,9 @@
-#include "Wire.h"
+#include <Wire.h>
 
 #include <cmath>
 #include <random>
 
-#include "board.h"
+#include <board.h>
 
 TwoWire Wire;
 
