@@ -257,8 +257,8 @@ def check_manifests(drop_in):
     """What the four makers' documentation demands, as far as it can be checked without their tools."""
     platformio = json.loads((drop_in / "library.json").read_text())
     version = re.search(r"project\(zerorate VERSION (\S+)", (HERE / "../../CMakeLists.txt").read_text())[1]
-    require(re.fullmatch(r"[\w+.-]{1,100}", platformio["name"]), "library.json: name")
-    require(platformio["version"] == version and re.fullmatch(r"\d+\.\d+\.\d+", version), "library.json: version")
+    require(re.fullmatch(r"[\w+.-]{1,100}", platformio["name"]) and platformio["version"] == version and
+            re.fullmatch(r"\d+\.\d+\.\d+", version), "library.json: name, version")
     require(len(platformio["description"]) <= 255 and isinstance(platformio["keywords"], list), "library.json: description")
     require(all(re.fullmatch(r"[a-z0-9 -]{1,50}", word) for word in platformio["keywords"]), "library.json: keywords")
     require("arduino" not in platformio["frameworks"] and "*" not in platformio["platforms"], "library.json: frameworks, platforms")
@@ -288,9 +288,8 @@ def check_manifests(drop_in):
 def check_kconfig(drop_in):
     """The options of Zephyr that ours stands on are played."""
     import kconfiglib
-    tree = drop_in / "Kconfig.of_a_tree"
-    tree.write_text('config STD_CPP20\n\tbool "C++20"\nconfig REQUIRES_FULL_LIBCPP\n\tbool\n'
-                    f'source "{drop_in}/zephyr/Kconfig"\n')
+    (tree := drop_in / "Kconfig.of_a_tree").write_text(
+        'config STD_CPP20\n\tbool "C++20"\nconfig REQUIRES_FULL_LIBCPP\n\tbool\n' f'source "{drop_in}/zephyr/Kconfig"\n')
     os.environ["KCONFIG_STRICT"] = "y"
     kconfig = kconfiglib.Kconfig(str(tree), warn_to_stderr=False)
     kconfig.syms["ZERORATE"].set_value(2)
