@@ -215,7 +215,7 @@ std::string figure_html(const Figure& figure, const json& data) {
 
 namespace {
 
-/// The same curves with x counted from the origin of its axis.
+/// Curves with x counted from the origin of its axis.
 Chart counted_from_origin(Chart chart) {
   for (Series& one : chart.series) {
     for (double& x : one.x) x -= chart.x.origin;

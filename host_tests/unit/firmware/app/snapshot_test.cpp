@@ -351,16 +351,6 @@ TEST(SnapshotOfAnotherModel, GivesTheBiasWithAWiderInterval) {
   }
 }
 
-TEST(SnapshotOfAnotherModel, IsRefusedForThatReasonWithoutATurnOn) {
-  Node::Params params = testing::node_params();
-  const Learnt learnt{params};
-  params.model.white_variance_rad2_s2 *= 2.0F;
-  EXPECT_EQ(refusal_of(learnt.snapshot.of_state(learnt.node.state(), kSaved), kSaved, params),
-            SnapshotRefusal::other_model);
-  EXPECT_EQ(refusal_of(learnt.snapshot.of_filters(learnt.node, kSaved), after(10), params),
-            SnapshotRefusal::other_model);
-}
-
 TEST(SnapshotOfAnotherModel, IsRefusedWhereItsBiasesAreNoNumbers) {
   constexpr std::size_t kBiasesAt = 64;
   Learnt learnt;
