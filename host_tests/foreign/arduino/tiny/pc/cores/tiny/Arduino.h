@@ -1,5 +1,5 @@
-/* The part of Arduino's interface that the example uses, on this machine. Time is simulated: each look at the clock takes
-   20 us, and the counter starts two minutes before it wraps. */
+/* The part of Arduino's interface that the example uses, on this machine. Time is simulated: each
+   look at the clock takes 20 us, and the counter starts two minutes before it wraps. */
 #pragma once
 
 #include <stdbool.h>
