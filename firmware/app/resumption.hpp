@@ -16,6 +16,9 @@ enum class SnapshotRefusal : std::uint8_t {
   impossible,       ///< no node remembers such numbers, though the checksum is right
   nothing_learnt,   ///< it was saved before the node was calibrated
   turn_on_unknown,  ///< the power was off, and the model does not say what that changes
+  /// Saved with another model: of it the biases alone are taken up, and this model has no turn-on
+  /// variance for them.
+  other_model,
 };
 
 /// For logs.
@@ -35,6 +38,8 @@ enum class SnapshotRefusal : std::uint8_t {
       return "saved before anything was learnt";
     case SnapshotRefusal::turn_on_unknown:
       return "saved in another boot, and the model has no [turn_on]";
+    case SnapshotRefusal::other_model:
+      return "saved with another model, and this one has no [turn_on] to widen its bias by";
   }
   return "unknown";
 }

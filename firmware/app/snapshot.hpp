@@ -302,7 +302,11 @@ class Snapshot {
                                                    const Header& header,
                                                    const SnapshotTime& now) const {
     const auto pause = pause_since(header, now);
-    if (!pause) return core::Unexpected{pause.error()};
+    if (!pause) {
+      // The power may have stayed: it is the model that is another.
+      const bool is_model = pause.error() == SnapshotRefusal::turn_on_unknown;
+      return core::Unexpected{is_model ? SnapshotRefusal::other_model : pause.error()};
+    }
     const float age_ticks = learnt.age_s / tick_.in_seconds();
     if (!learnt.is_possible() || !(age_ticks < kMostTicks)) {
       return core::Unexpected{SnapshotRefusal::not_a_snapshot};

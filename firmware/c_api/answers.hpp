@@ -133,6 +133,7 @@ inline void set_rate(zerorate_rate& rate, const app::RateMessage& message) {
     case SnapshotRefusal::nothing_learnt:
       return ZERORATE_NOTHING_LEARNT;
     case SnapshotRefusal::turn_on_unknown:
+    case SnapshotRefusal::other_model:
       break;
   }
   return ZERORATE_SNAPSHOT_NOT_USABLE;

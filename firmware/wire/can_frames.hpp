@@ -10,9 +10,9 @@
 #include "core/base/numeric.hpp"
 #include "core/base/units.hpp"
 #include "firmware/app/rate_message.hpp"
+#include "firmware/wire/can_bits.hpp"
 #include "firmware/wire/explained_shares.hpp"
 #include "firmware/wire/health_bits.hpp"
-#include "firmware/wire/little_endian.hpp"
 #include "firmware/wire/rate_frame.hpp"
 
 namespace zerorate::wire {
@@ -55,176 +55,179 @@ inline constexpr std::uint32_t kCanTurnEvery = 4;
 
 inline constexpr float kCanRateLsbDegPerS = 1e-6F;
 inline constexpr float kCanSigmaLsbDegPerS = 1e-5F;
-inline constexpr float kCanTurnLsbDeg = 1e-4F;
+inline constexpr float kCanTurnLsbDeg = 1e-3F;
 inline constexpr float kCanTurnSigmaLsbDeg = 1e-3F;
+inline constexpr float kCanVerticalRateLsbDegPerS = 1e-5F;
 inline constexpr float kCanHeadingLsbDeg = 0.01F;
 inline constexpr float kCanUpLsb = 1e-4F;
 inline constexpr float kCanAccelerationLsbMPerS2 = 0.01F;
 inline constexpr float kCanVibrationLsbMPerS2 = 1e-3F;
 inline constexpr float kCanExplainedLsbDegPerS = 1e-4F;
-/// Content of a signal for which there is no value, or none that fits.
-inline constexpr std::uint32_t kCanRateNotAvailable = 0x80000000U;
-inline constexpr std::uint16_t kCanSigmaNotAvailable = 0xFFFFU;
 inline constexpr float kCanTemperatureLsbDegC = 0.01F;
-/// Content of a signal of 16 bits with a sign for which there is no value.
-inline constexpr std::uint16_t kCanShortNotAvailable = 0x8000U;
 
 namespace detail {
-/// Signal of 16 or 32 bits: the nearest count of its LSB, ties away from zero.
-/// @param not_available content where the count does not lie inside (-limit, limit)
-template <class Content>
-[[nodiscard]] constexpr Content encode_count(float count, float limit, Content not_available) {
-  if (!(count > -limit && count < limit)) return not_available;
-  return static_cast<Content>(
-      static_cast<std::int32_t>(count < 0.0F ? count - 0.5F : count + 0.5F));
+inline constexpr std::size_t kCounterBits = 4;
+/// Identifiers are those of the status frame plus an offset.
+[[nodiscard]] constexpr CanFrame frame_at(std::uint16_t id, std::size_t offset) {
+  ZERORATE_ASSERT(id <= kGreatestCanId);
+  return {.id = static_cast<std::uint16_t>(id + offset)};
 }
-/// A rate or an angle.
-[[nodiscard]] constexpr std::uint32_t encode_can_value(float count) {
-  return encode_count(count, 2147483000.0F, kCanRateNotAvailable);
+[[nodiscard]] constexpr std::uint32_t encode_can_sigma(core::AngularRate sigma) {
+  return encode_can_unsigned(sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS, 16);
 }
-[[nodiscard]] constexpr std::uint16_t encode_can_sigma(float count) {
-  return encode_count(count, 65534.0F, kCanSigmaNotAvailable);
+[[nodiscard]] constexpr std::uint32_t encode_can_turn_sigma(core::Angle sigma) {
+  return encode_can_unsigned(sigma.in(core::deg) / kCanTurnSigmaLsbDeg, 16);
 }
-[[nodiscard]] constexpr std::uint16_t encode_can_short(float count) {
-  return encode_count(count, 32767.0F, kCanShortNotAvailable);
-}
-[[nodiscard]] constexpr std::uint32_t encode_can_rate(core::AngularRate rate) {
-  return encode_can_value(rate.in(core::deg_per_s) / kCanRateLsbDegPerS);
-}
-[[nodiscard]] constexpr std::uint16_t encode_can_temperature(
+[[nodiscard]] constexpr std::uint32_t encode_can_temperature(
     const std::optional<core::Temperature>& temperature) {
-  if (!temperature) return kCanShortNotAvailable;
-  return encode_can_short(temperature->degc() / kCanTemperatureLsbDegC);
+  if (!temperature) return can_not_available_signed(16);
+  return encode_can_signed(temperature->degc() / kCanTemperatureLsbDegC, 16);
 }
 /// Heading from -180 to 180 deg; not available where its deviation is infinite.
-[[nodiscard]] constexpr std::uint16_t encode_can_heading(const app::Heading& heading) {
-  const bool is_known = core::is_finite(heading.sigma.in(core::deg));
-  if (!is_known) return kCanShortNotAvailable;
-  return encode_can_short(heading.angle.in(core::deg) / kCanHeadingLsbDeg);
+[[nodiscard]] constexpr std::uint32_t encode_can_heading(const app::Heading& heading) {
+  if (!core::is_finite(heading.sigma.in(core::deg))) return can_not_available_signed(16);
+  return encode_can_signed(heading.angle.in(core::deg) / kCanHeadingLsbDeg, 16);
 }
 [[nodiscard]] constexpr CanFrame encode_can_turn_of(const app::AxisTurn& turn, core::Duration time,
-                                                    std::uint16_t id) {
+                                                    CanFrame frame, std::uint32_t counter) {
   constexpr std::int64_t kLongest_s = 0xFFFF;
   const std::int64_t time_s = time / core::Duration::seconds(1);
-  CanFrame frame{.id = id};
-  LittleEndianWriter out{frame.data};
-  out.put(encode_can_value(turn.angle.in(core::deg) / kCanTurnLsbDeg));
-  out.put(encode_can_sigma(turn.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
-  out.put(static_cast<std::uint16_t>(time_s < kLongest_s ? time_s : kLongest_s));
+  CanBitWriter out{frame.data};
+  out.put(encode_can_signed(turn.angle.in(core::deg) / kCanTurnLsbDeg, 28), 28);
+  out.put(encode_can_turn_sigma(turn.sigma), 16);
+  out.put(static_cast<std::uint32_t>(time_s < kLongest_s ? time_s : kLongest_s), 16);
+  out.put(counter, kCounterBits);
   return frame;
 }
 }  // namespace detail
 
-/// @param id  identifier of the status frame, at most kGreatestCanId
+/// @param numbered  its number counts the messages on this bus: each frame has it modulo 16
+/// @param id        identifier of the status frame, at most kGreatestCanId
 [[nodiscard]] constexpr std::array<CanFrame, kCanFrames> encode_can_frames(
     const NumberedMessage& numbered, std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
   std::array<CanFrame, kCanFrames> frames{};
   const app::RateMessage& message = numbered.message;
   for (std::size_t i = 0; i < message.axes.size(); ++i) {
-    frames[i].id = static_cast<std::uint16_t>(id + 1 + i);
-    LittleEndianWriter out{frames[i].data};
-    out.put(message.has_rate() ? detail::encode_can_rate(message.axes[i].corrected)
-                               : kCanRateNotAvailable);
-    out.put(detail::encode_can_rate(message.axes[i].bias));
+    const auto count_of = [](core::AngularRate rate) {
+      return rate.in(core::deg_per_s) / kCanRateLsbDegPerS;
+    };
+    frames[i] = detail::frame_at(id, 1 + i);
+    CanBitWriter out{frames[i].data};
+    out.put(message.has_rate() ? encode_can_signed(count_of(message.axes[i].corrected), 32)
+                               : can_not_available_signed(32),
+            32);
+    out.put(encode_can_signed(count_of(message.axes[i].bias), 28), 28);
+    out.put(numbered.sequence, detail::kCounterBits);
   }
-  frames[3].id = id;
-  LittleEndianWriter out{frames[3].data};
-  // The counter counts modulo 16; of the health the ninth and tenth bit stand above it. The later
-  // bits, which are no alarms of a single sample, are in the frame of the inputs.
-  const unsigned health = encode_health(message.health) & 0x3FFU;
-  out.put(static_cast<std::uint8_t>(static_cast<unsigned>(message.motion) |
-                                    (numbered.sequence & 0xFU) << 2U | (health >> 8U) << 6U));
-  out.put(static_cast<std::uint8_t>(health & 0xFFU));
-  for (const app::AxisRate& axis : message.axes) {
-    out.put(detail::encode_can_sigma(axis.sigma.in(core::deg_per_s) / kCanSigmaLsbDegPerS));
-  }
+  frames[3] = detail::frame_at(id, 0);
+  CanBitWriter out{frames[3].data};
+  // The ninth and tenth bit of the health stand before the others. The later bits, which are no
+  // alarms of a single sample, are in the frame of the inputs.
+  const std::uint32_t health = encode_health(message.health);
+  out.put(static_cast<std::uint32_t>(message.motion), 2);
+  out.put(numbered.sequence, detail::kCounterBits);
+  out.put(health >> 8U, 2);
+  out.put(health, 8);
+  for (const app::AxisRate& axis : message.axes) out.put(detail::encode_can_sigma(axis.sigma), 16);
   return frames;
 }
 
 /// Frame of temperature, odometer and calm. Send it with every kCanInputsEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
-[[nodiscard]] constexpr CanFrame encode_can_inputs(const app::RateMessage& message,
+[[nodiscard]] constexpr CanFrame encode_can_inputs(const NumberedMessage& numbered,
                                                    std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
-  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanInputsOffset)};
-  LittleEndianWriter out{frame.data};
-  out.put(detail::encode_can_temperature(message.temperature));
-  out.put(message.odometer_pulses.value_or(0));
-  out.put(static_cast<std::uint8_t>((message.odometer_pulses ? 1U : 0U) |
-                                    (message.health.odometer_dead_band ? 2U : 0U) |
-                                    (message.health.sample_rate_off ? 4U : 0U) |
-                                    (message.health.reference_disagreement ? 8U : 0U) |
-                                    (message.health.acceleration_missing ? 16U : 0U)));
-  out.put(message.calm_percent);
+  const app::RateMessage& message = numbered.message;
+  CanFrame frame = detail::frame_at(id, kCanInputsOffset);
+  CanBitWriter out{frame.data};
+  out.put(detail::encode_can_temperature(message.temperature), 16);
+  out.put(message.odometer_pulses.value_or(0), 32);
+  out.put(message.odometer_pulses ? 1U : 0U, 1);
+  for (const bool flag :
+       {message.health.odometer_dead_band, message.health.sample_rate_off,
+        message.health.reference_disagreement, message.health.acceleration_missing}) {
+    out.put(flag ? 1U : 0U, 1);
+  }
+  out.put(message.calm_percent <= 100 ? message.calm_percent : can_not_available_unsigned(7), 7);
+  out.put(numbered.sequence / kCanInputsEvery, detail::kCounterBits);
   return frame;
 }
 
 /// Frames of the turn of x, y and z since departure. Send them with every kCanTurnEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
 [[nodiscard]] constexpr std::array<CanFrame, kCanTurnFrames> encode_can_turn(
-    const app::RateMessage& message, std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
+    const NumberedMessage& numbered, std::uint16_t id) {
   std::array<CanFrame, kCanTurnFrames> frames{};
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i] = detail::encode_can_turn_of(message.turn[i], message.turn_time,
-                                           static_cast<std::uint16_t>(id + kCanTurnOffset + i));
+    frames[i] = detail::encode_can_turn_of(numbered.message.turn[i], numbered.message.turn_time,
+                                           detail::frame_at(id, kCanTurnOffset + i),
+                                           numbered.sequence / kCanTurnEvery);
   }
   return frames;
 }
 /// Frame of the turn about the vertical since departure, of a message with `up`. Send it with every
 /// kCanTurnEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
-[[nodiscard]] constexpr CanFrame encode_can_vertical_turn(const app::RateMessage& message,
+[[nodiscard]] constexpr CanFrame encode_can_vertical_turn(const NumberedMessage& numbered,
                                                           std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
-  return detail::encode_can_turn_of(message.vertical_turn, message.turn_time,
-                                    static_cast<std::uint16_t>(id + kCanVerticalTurnOffset));
+  return detail::encode_can_turn_of(numbered.message.vertical_turn, numbered.message.turn_time,
+                                    detail::frame_at(id, kCanVerticalTurnOffset),
+                                    numbered.sequence / kCanTurnEvery);
 }
 
 /// Frame of rate and heading about the vertical, of a message with `up`. Send it with every
 /// kCanTurnEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
-[[nodiscard]] constexpr CanFrame encode_can_vertical(const app::RateMessage& message,
+[[nodiscard]] constexpr CanFrame encode_can_vertical(const NumberedMessage& numbered,
                                                      std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
-  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanVerticalOffset)};
-  LittleEndianWriter out{frame.data};
-  out.put(message.has_rate() ? detail::encode_can_rate(message.vertical_rate())
-                             : kCanRateNotAvailable);
-  out.put(detail::encode_can_heading(message.heading));
-  out.put(detail::encode_can_sigma(message.heading.sigma.in(core::deg) / kCanTurnSigmaLsbDeg));
+  const app::RateMessage& message = numbered.message;
+  CanFrame frame = detail::frame_at(id, kCanVerticalOffset);
+  CanBitWriter out{frame.data};
+  out.put(message.has_rate()
+              ? encode_can_signed(
+                    message.vertical_rate().in(core::deg_per_s) / kCanVerticalRateLsbDegPerS, 28)
+              : can_not_available_signed(28),
+          28);
+  out.put(detail::encode_can_heading(message.heading), 16);
+  out.put(detail::encode_can_turn_sigma(message.heading.sigma), 16);
+  out.put(numbered.sequence / kCanTurnEvery, detail::kCounterBits);
   return frame;
 }
 
 /// Frame of the direction that points up, of a message with `up`. Send it with every
 /// kCanTurnEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
-[[nodiscard]] constexpr CanFrame encode_can_up(const app::RateMessage& message, std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
-  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanUpOffset)};
-  LittleEndianWriter out{frame.data};
-  for (const float share : *message.up) out.put(detail::encode_can_short(share / kCanUpLsb));
+[[nodiscard]] constexpr CanFrame encode_can_up(const NumberedMessage& numbered, std::uint16_t id) {
+  CanFrame frame = detail::frame_at(id, kCanUpOffset);
+  CanBitWriter out{frame.data};
+  for (const float share : *numbered.message.up) {
+    out.put(encode_can_signed(share / kCanUpLsb, 16), 16);
+  }
+  out.put(0, 12);
+  out.put(numbered.sequence / kCanTurnEvery, detail::kCounterBits);
   return frame;
 }
 
 /// Frame of acceleration and vibration, of a message with either. Send it with every
 /// kCanTurnEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
-[[nodiscard]] constexpr CanFrame encode_can_acceleration(const app::RateMessage& message,
+[[nodiscard]] constexpr CanFrame encode_can_acceleration(const NumberedMessage& numbered,
                                                          std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
-  CanFrame frame{.id = static_cast<std::uint16_t>(id + kCanAccelerationOffset)};
-  LittleEndianWriter out{frame.data};
+  const app::RateMessage& message = numbered.message;
+  CanFrame frame = detail::frame_at(id, kCanAccelerationOffset);
+  CanBitWriter out{frame.data};
   for (std::size_t i = 0; i < 3; ++i) {
     out.put(message.acceleration
-                ? detail::encode_can_short((*message.acceleration)[i].in(core::m_per_s2) /
-                                           kCanAccelerationLsbMPerS2)
-                : kCanShortNotAvailable);
+                ? encode_can_signed(
+                      (*message.acceleration)[i].in(core::m_per_s2) / kCanAccelerationLsbMPerS2, 15)
+                : can_not_available_signed(15),
+            15);
   }
-  out.put(message.vibration ? detail::encode_can_sigma(message.vibration->in(core::m_per_s2) /
-                                                       kCanVibrationLsbMPerS2)
-                            : kCanSigmaNotAvailable);
+  out.put(
+      message.vibration
+          ? encode_can_unsigned(message.vibration->in(core::m_per_s2) / kCanVibrationLsbMPerS2, 15)
+          : can_not_available_unsigned(15),
+      15);
+  out.put(numbered.sequence / kCanTurnEvery, detail::kCounterBits);
   return frame;
 }
 
@@ -232,16 +235,17 @@ template <class Content>
 /// them with every kCanInputsEvery-th message.
 /// @param id  identifier of the status frame, at most kGreatestCanId
 [[nodiscard]] constexpr std::array<CanFrame, kCanExplainedFrames> encode_can_explained(
-    const app::RateMessage& message, std::uint16_t id) {
-  ZERORATE_ASSERT(id <= kGreatestCanId);
+    const NumberedMessage& numbered, std::uint16_t id) {
   std::array<CanFrame, kCanExplainedFrames> frames{};
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i].id = static_cast<std::uint16_t>(id + kCanExplainedOffset + i);
-    LittleEndianWriter out{frames[i].data};
+    frames[i] = detail::frame_at(id, kCanExplainedOffset + i);
+    CanBitWriter out{frames[i].data};
     for (const ExplainedShare& share : kExplainedShares) {
-      const float dps = ((*message.explained)[i].*share.rate).in(core::deg_per_s);
-      out.put(detail::encode_can_short(dps / kCanExplainedLsbDegPerS));
+      const float dps = ((*numbered.message.explained)[i].*share.rate).in(core::deg_per_s);
+      out.put(encode_can_signed(dps / kCanExplainedLsbDegPerS, 16), 16);
     }
+    out.put(0, 12);
+    out.put(numbered.sequence / kCanInputsEvery, detail::kCounterBits);
   }
   return frames;
 }

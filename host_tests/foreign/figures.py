@@ -14,7 +14,7 @@ import shutil
 import sys
 
 import foreign_test
-from foreign_test import ARM_LINK, CORTEX, Failure, Workshop, require, run
+from foreign_test import ARM_LINK, CORTEX, RISCV, Failure, Workshop, cxx_headers, require, run
 
 SLACK = 0.03
 # Heading of a column -> processor and optimisation.
@@ -47,15 +47,20 @@ def build(shop, processor, optimisation):
                      f"CPU={CORTEX[processor][0]} -DZERORATE_FIGURES", f"OPTIMISATION={optimisation}", f"LINK={ARM_LINK} {wraps}")
 
 
-def size_of(folder, processor):
+def size_of(folder, prefix, flags):
     """Bytes of all functions of the headers and what they need, without memcpy and memset."""
-    wanted = run("arm-none-eabi-nm", "--defined-only", "--extern-only", folder / "zerorate.o")
+    wanted = run(f"{prefix}nm", "--defined-only", "--extern-only", folder / "zerorate.o")
     functions = re.findall(r" T (zerorate_\w+)$", wanted, re.MULTILINE)
     require(len(functions) == 14, f"functions of the headers: {functions}")
     roots = [f"-Wl,-u,{name}" for name in functions] + [f"-Wl,--defsym={name}=0" for name in ("memcpy", "memset", "memmove")]
-    run("arm-none-eabi-gcc", *CORTEX[processor][0].split(), folder / "zerorate.o", folder / "assert.o", "-nostdlib", *roots,
+    run(f"{prefix}gcc", *flags.split(), folder / "zerorate.o", folder / "assert.o", "-nostdlib", *roots,
         "-Wl,--gc-sections", f"-Wl,-e,{functions[0]}", "-lgcc", "-o", folder / "library.elf")
-    text, data = run("arm-none-eabi-size", folder / "library.elf").splitlines()[1].split()[:2]
+    return bytes_of(prefix, folder / "library.elf")
+
+
+def bytes_of(prefix, file):
+    """Code, constants and initial values of a program or an object."""
+    text, data = run(f"{prefix}size", file).splitlines()[1].split()[:2]
     return int(text) + int(data)
 
 
@@ -71,7 +76,7 @@ def measure(shop, processor, optimisation):
         counts = [round(periods * INSTRUCTIONS_OF_A_PERIOD) for periods in ((mean, most) if calls > 1 else (mean,))]
         column[FUNCTIONS[name]] = [*counts, stack]
     require(column.keys() == set(FUNCTIONS.values()), f"figures of {list(column)}")
-    return column | {"program, all functions, bytes": [size_of(folder, processor)]}
+    return column | {"program, all functions, bytes": [size_of(folder, "arm-none-eabi-", CORTEX[processor][0])]}
 
 
 # Size of an instance -> the definitions that differ from zerorate.h.
@@ -96,6 +101,30 @@ def memory(shop, definitions):
     run("g++", "-std=c++20", "-fsyntax-only", *definitions, f"-I{shop.repository}",
         shop.repository / "firmware/c_api/zerorate.cpp")
     return [int(word) for word in run(shop.work / "memory").split()]
+
+
+def other_processors(shop):
+    """Processor -> bytes of the library with 12 hypotheses and with one, at -Os."""
+    rows = {}
+    for architecture, (abi, _) in RISCV.items():
+        flags = f"-march={architecture} -mabi={abi}"
+        rows[f"RISC-V {architecture}"] = [
+            size_of(compiled(shop, "riscv64-unknown-elf-", flags, count), "riscv64-unknown-elf-", flags)
+            for count in (12, 1)]
+    # Debian's libgcc for the lx106 lacks the software floating point, which is in that chip's ROM.
+    rows["Xtensa lx106, the object alone"] = [
+        bytes_of("xtensa-lx106-elf-", compiled(shop, "xtensa-lx106-elf-", "-mlongcalls", count) / "zerorate.o") for count in (12, 1)]
+    return rows
+
+
+def compiled(shop, prefix, flags, hypotheses):
+    """The folder of the library's objects for a processor."""
+    name = f"size-{prefix}{flags.replace(' ', '')}-{hypotheses}"
+    folder = shutil.copytree(foreign_test.HERE / "makefile", shop.work / name)
+    run("make", "--no-print-directory", f"ZERORATE={shop.repository}", f"CROSS={prefix}", "OPTIMISATION=-Os",
+        f"CPU={flags} -DZERORATE_HYPOTHESES={hypotheses} {cxx_headers()}", "zerorate.o", "assert.o", folder=folder,
+        environment=shop.environment)
+    return folder
 
 
 def check_promises(columns, sizes):
@@ -124,6 +153,8 @@ def tables(shop):
                    *(f"| {row} | {' | '.join(cell(column[row]) for column in columns.values())} |\n" for row in rows)])
     yield "".join(["| size | instance (`sizeof(zerorate_node)`) | record of `zerorate_save()` (`ZERORATE_SNAPSHOT_BYTES`) |\n",
                    "|---|---|---|\n", *(f"| {count} | {instance:,} | {record:,} |\n" for count, (instance, record) in sizes.items())])
+    yield "".join(["| all functions at -Os, bytes | 12 hypotheses | 1 hypothesis |\n|---|---|---|\n",
+                   *(f"| {name} | {full:,} | {small:,} |\n" for name, (full, small) in other_processors(shop).items())])
     if not all(map(shutil.which, foreign_test.COMPILERS)):
         return
     yield "".join(["| compiler of a host | version |\n|---|---|\n",

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -98,11 +99,13 @@ void print_true_drives(const evaluate::TrueDrives& drives, std::size_t axis_coun
              "at departure");
   for (const app::Predictor predictor : evaluate::kAllPredictors) {
     const evaluate::TrueScore score = drives.score(predictor);
-    fmt::print("{:<17} {:>7} {:>14.4f} {:>11.4f} {:>10.4f} {:>12.3f} {:>12.3f} {:>13.4f}\n",
-               evaluate::name(predictor), score.drives, score.rms_rad * kDegPerRad,
-               score.median_rad * kDegPerRad, score.worst_rad * kDegPerRad, score.coverage95,
-               score.coverage95_of_node,
-               drives.score(predictor, evaluate::Scored::bias_at_departure).rms_rad * kDegPerRad);
+    const evaluate::TrueScore departure =
+        drives.score(predictor, evaluate::Scored::bias_at_departure);
+    fmt::print("{:<17} {:>7} {:>14} {:>11} {:>10} {:>12} {:>12} {:>13}\n",
+               evaluate::name(predictor), score.drives, cell(score.rms_rad * kDegPerRad, 4),
+               cell(score.median_rad * kDegPerRad, 4), cell(score.worst_rad * kDegPerRad, 4),
+               cell(score.coverage95, 3), cell(score.coverage95_of_node, 3),
+               cell(departure.rms_rad * kDegPerRad, 4));
   }
 }
 

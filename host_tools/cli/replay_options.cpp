@@ -16,6 +16,7 @@
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/cli/input_options.hpp"
 #include "host_tools/cli/reference_options.hpp"
+#include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/evaluate/learnt_model.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/evaluate/true_drives_report.hpp"
@@ -136,11 +137,6 @@ void print_learnt(const evaluate::ReplayResult& result, const std::vector<std::s
   }
 }
 
-/// A number for a table; "-" where nothing was measured.
-std::string cell(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
-}
-
 void print_scores(const evaluate::ReplayResult& result, const std::vector<std::size_t>& axes) {
   fmt::print("\n{:<4} {:<17} {:>7} {:>15} {:>22} {:>12} {:>10} {:>11} {:>10}\n", "axis",
              "predictor", "drives", "drift deg rms", "ratio to CM [95 %]", "coverage 95",
@@ -170,10 +166,10 @@ void print_stop_scores(const evaluate::ReplayResult& result, const std::vector<s
   for (const std::size_t axis : axes) {
     for (const app::Predictor predictor : evaluate::kAllPredictors) {
       const auto& scores = result.stop_scores[axis][static_cast<std::size_t>(predictor)];
-      fmt::print("{:<4} {:<17} {:>7} {:>16.2f} {:>13.2f} {:>12.3f}\n",
-                 evaluate::axis_name(result, axis), evaluate::name(predictor), scores.stops(),
-                 scores.error_rms_rad_s() * units::kDphPerRadS, scores.error_rms_sigmas(),
-                 scores.coverage95());
+      fmt::print("{:<4} {:<17} {:>7} {:>16} {:>13} {:>12}\n", evaluate::axis_name(result, axis),
+                 evaluate::name(predictor), scores.stops(),
+                 cell(scores.error_rms_rad_s() * units::kDphPerRadS, 2),
+                 cell(scores.error_rms_sigmas(), 2), cell(scores.coverage95(), 3));
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "host_tools/lib/output/output_file.hpp"
@@ -71,6 +72,10 @@ void ProgressBar::update(std::optional<double> share, const std::string& remark)
   }
   if (!remark.empty()) fmt::print(stderr, ", {}", remark);
   std::fflush(stderr);
+}
+
+std::string cell(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
 
 }  // namespace zerorate::cli

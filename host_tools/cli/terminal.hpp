@@ -44,4 +44,7 @@ class ProgressBar {
   Clock::time_point drawn_at_{};
 };
 
+/// A number for a table; "-" where nothing was measured.
+[[nodiscard]] std::string cell(double value, int decimals);
+
 }  // namespace zerorate::cli

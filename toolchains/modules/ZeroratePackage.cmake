@@ -10,8 +10,13 @@ install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/zerorated.service"
   DESTINATION lib/systemd/system COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/firmware/boards/linux/60-zerorate.rules"
   DESTINATION lib/udev/rules.d COMPONENT node)
-install(FILES "${PROJECT_SOURCE_DIR}/firmware/wire/zerorate.dbc"
+install(FILES "${PROJECT_SOURCE_DIR}/firmware/wire/zerorate.dbc" "${PROJECT_SOURCE_DIR}/firmware/wire/zerorate_yaw.dbc"
+  "${PROJECT_SOURCE_DIR}/firmware/wire/zerorate_fd.dbc"
   DESTINATION "${CMAKE_INSTALL_DATADIR}/zerorate" COMPONENT node)
+install(FILES "${PROJECT_SOURCE_DIR}/host_tools/cli/completion/zerorate.bash"
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME zerorate COMPONENT node)
+install(FILES "${PROJECT_SOURCE_DIR}/host_tools/cli/completion/_zerorate"
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions" COMPONENT node)
 install(FILES "${PROJECT_SOURCE_DIR}/docs/examples/c/receive_rate.c"
   "${PROJECT_SOURCE_DIR}/docs/examples/python/receive_rate.py"
   DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/zerorate/examples" COMPONENT node)

@@ -16,6 +16,7 @@ import sys
 REPOSITORY = pathlib.Path(__file__).parents[2]
 SOURCES = ("firmware/c_api/zerorate.cpp", "core/base/assert.cpp")
 INCLUDE_FOLDER = "firmware/c_api/include"
+SKETCH = "docs/examples/arduino/heading"
 HEADERS = ("zerorate.h", "zerorate_references.h", "zerorate_size.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 
@@ -33,10 +34,44 @@ makes an instance smaller.
 |---|---|---|---|
 | any build | `src` | compiled by GCC 11, 12 and clang 13 to 16; Cortex-M4F and this machine: bits of the library | |
 | CMake | `CMakeLists.txt` | `add_subdirectory()`, target `zerorate::c` | |
-| PlatformIO | `library.json` | the fields against what its documentation demands | a build by PlatformIO |
-| Arduino | `library.properties` | the fields against what its specification demands | a build by Arduino; the core must compile as C++20 |
-| Zephyr | `zephyr/` | Kconfig by kconfiglib, CMake with stand-ins for Zephyr's functions | a build in a Zephyr tree |
-| ESP-IDF | `idf_component.yml`, `CMakeLists.txt` | YAML, CMake with a stand-in for `idf_component_register()` | a build by ESP-IDF |
+| PlatformIO | `library.json` | the fields against what its documentation demands | a build by PlatformIO: not built here |
+| Arduino | `library.properties`, `examples/heading` | the sketch by Debian's arduino-builder on a core of the test, which runs it over a wrap of `micros()` | a build with a core of a maker: not built here |
+| Zephyr | `zephyr/` | Kconfig by kconfiglib, CMake with stand-ins for Zephyr's functions | a build in a Zephyr tree: not built here |
+| ESP-IDF | `idf_component.yml`, `CMakeLists.txt` | YAML, CMake with a stand-in for `idf_component_register()` | a build by ESP-IDF: not built here |
+
+## Targets
+
+The compiler decides: GCC 11 or clang 13 and later, as C++20, with the headers of a C++ library, `int` of 32 bits. No target of
+this list was built with its maker's tools; Arm Cortex-M, RISC-V (both run in emulators) and Xtensa (an object) were compiled with
+Debian's GCC 12.
+
+| target | |
+|---|---|
+| ESP32 with ESP-IDF 5 or Arduino core 3 | GCC 12 and later |
+| ESP32 with Arduino core 2, and PlatformIO's `espressif32` with the framework `arduino` | no: GCC 8.4 |
+| RP2040, RP2350, STM32, SAMD, nRF52 with a core that has GCC 11 or later | where the core compiles as C++17, put `compiler.cpp.extra_flags=-std=gnu++20` into the core's `platform.local.txt` |
+| AVR (Uno, Nano, Mega) | no: no C++ library, 2 KiB of RAM |
+| ESP8266 | no: GCC 10 |
+
+An instance takes 14.5 KB of RAM with 12 hypotheses and 7.4 KB with one; smaller definitions, flash and stack:
+docs/reference/c-interface.md, memory and time.
+
+## Zephyr
+
+    manifest:                       # west.yml of the application
+      projects:
+        - name: zerorate
+          url: ...                  # where you keep this folder
+          revision: main
+          path: modules/lib/zerorate
+
+    # prj.conf
+    CONFIG_CPP=y
+    CONFIG_STD_CPP20=y
+    CONFIG_ZERORATE=y
+    CONFIG_ZERORATE_HYPOTHESES_4=y  # or _12, _1
+    CONFIG_MAIN_STACK_SIZE=4096     # 1,024 is too small for the calls of the interface
+    CONFIG_FPU=y                    # where there is one
 """
 
 CMAKE = """# A folder for add_subdirectory(), giving zerorate::c, and a component of ESP-IDF.
@@ -59,6 +94,14 @@ target_link_libraries(zerorate_c INTERFACE "$<TARGET_FILE:zerorate_objects>")
 target_include_directories(zerorate_c INTERFACE "${CMAKE_CURRENT_SOURCE_DIR}/src")
 """
 
+# One error instead of hundreds, where a compiler cannot do it.
+REFUSALS = """#if __cplusplus < 202002L
+#error "zerorate is written in C++20, and needs GCC 11 or clang 13 or later, with -std=gnu++20: README.md, targets"
+#elif !__has_include(<array>)
+#error "zerorate needs the headers of a C++ library; those of AVR have none: README.md, targets"
+#else
+"""
+
 ZEPHYR_MODULE = """name: zerorate
 build:
   cmake: zephyr
@@ -74,11 +117,32 @@ config ZERORATE
 	  The C interface of zerorate: zerorate.h. Needs CONFIG_CPP and C++20; on a processor with a
 	  floating-point unit, CONFIG_FPU.
 
+if ZERORATE
+
+choice ZERORATE_HYPOTHESES_CHOICE
+	prompt "Noise models that an instance weighs"
+	default ZERORATE_HYPOTHESES_12
+
+config ZERORATE_HYPOTHESES_12
+	bool "12: learns the noise of the sensor"
+
+config ZERORATE_HYPOTHESES_4
+	bool "4: learns it more coarsely"
+
+config ZERORATE_HYPOTHESES_1
+	bool "1: takes the model at its word"
+
+endchoice
+
 config ZERORATE_HYPOTHESES
-	int "Noise models that an instance weighs: 12, 4 or, without learning, 1"
-	depends on ZERORATE
-	default 12
-	range 1 12
+	int
+	default 12 if ZERORATE_HYPOTHESES_12
+	default 4 if ZERORATE_HYPOTHESES_4
+	default 1
+
+comment "The thread that calls zerorate needs 3 KiB of stack: MAIN_STACK_SIZE is 1,024 by default"
+
+endif
 """
 
 ZEPHYR_CMAKE = """if(CONFIG_ZERORATE)
@@ -123,6 +187,8 @@ def amalgam():
     for name in SOURCES:
         lines += [*expanded(name, seen), ""]
     count = len(SOURCES) + sum((REPOSITORY / name).is_file() for name in seen)
+    lines[1:1] = [REFUSALS]
+    lines.append("#endif  // a compiler that can")
     text = re.sub(r"\n{3,}", "\n\n", "\n".join(lines))
     return text.replace("{count}", str(count), 1)
 
@@ -136,8 +202,8 @@ def manifests():
         "keywords": ["gyroscope", "imu", "bias", "kalman", "navigation"],
         "license": "Apache-2.0",
         "headers": "zerorate.h",
-        "frameworks": "*",
-        "platforms": "*",
+        "frameworks": ["espidf", "zephyr", "stm32cube", "cmsis"],
+        "platforms": ["espressif32", "ststm32", "nordicnrf52", "native"],
         "build": {"srcDir": "src", "includeDir": "src", "unflags": "-std=gnu++11 -std=gnu++14 -std=gnu++17",
                   "flags": "-std=gnu++20 -ffp-contract=off -fno-math-errno"},
     }
@@ -147,10 +213,11 @@ def manifests():
         "author": "zerorate maintainers",
         "maintainer": "zerorate maintainers",
         "sentence": DESCRIPTION,
-        "paragraph": "Needs a core that compiles as C++20, such as that of the ESP32 from 3.0 on.",
+        "paragraph": "Needs a core with GCC 11 or later that compiles as C++20, such as that of the ESP32 from 3.0 on. Not for AVR and "
+                     "the ESP8266.",
         "category": "Signal Input/Output",
         "url": "https://zerorate.invalid",
-        "architectures": "*",
+        "architectures": "esp32,rp2040,stm32,samd,nrf52",
         "includes": "zerorate.h",
     }
     component = (f'# Not built by ESP-IDF: README.md.\nversion: "{version()}"\ndescription: "{DESCRIPTION}"\n'
@@ -158,6 +225,8 @@ def manifests():
     return {
         "src/zerorate.cpp": amalgam(),
         **{f"src/{name}": (REPOSITORY / INCLUDE_FOLDER / name).read_text(encoding="utf-8") for name in HEADERS},
+        **{f"examples/heading/{name}": (REPOSITORY / SKETCH / name).read_text(encoding="utf-8")
+           for name in ("heading.ino", "mpu6050_model.h")},
         "README.md": README.replace("{version}", version()),
         "LICENSE": (REPOSITORY / "LICENSE").read_text(encoding="utf-8"),
         "CMakeLists.txt": CMAKE.replace("@version@", version()),

@@ -14,8 +14,6 @@
 #include "firmware/model/model_file.hpp"
 #include "firmware/model/node_model.hpp"
 #include "firmware/toml/strict_table.hpp"
-#include "firmware/wire/can_frames.hpp"
-#include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -33,8 +31,6 @@ constexpr Rule kInterval{[](double x) { return x >= 1.0 && x <= 1e6; },
                          "seconds, from 1 to 1 000 000"};
 constexpr Rule kPriority{[](double x) { return x >= 0.0 && x <= 99.0; },
                          "a whole number from 0 to 99"};
-constexpr Rule kCanId{[](double x) { return x >= 0.0 && x <= wire::kGreatestCanId; },
-                      "an identifier from 0 to 0x7F1: the other frames take the fourteen after it"};
 
 core::StandstillSource read_source(StrictTable& table) {
   static constexpr std::array<std::string_view, 3> kSources{"odometer", "gyro", "odometer-alone"};
@@ -54,7 +50,7 @@ core::EarthRate read_earth(StrictTable& table, bool measures_vertical,
   }
   if (up.value_or(of_earth) != of_earth) {
     table.fail_at("up",
-                  "not the axis of \"up\" in [reference], and a sensor has one that points up; "
+                  "not the axis of \"up\" in [reference] or [[sink]], and a sensor has one; "
                   "expected the same in both, and z where it is absent");
   }
   up = of_earth;
@@ -137,16 +133,7 @@ void read_real_time(StrictTable& table, RealTimeSettings& real_time) {
   real_time.lock_memory = table.boolean("lock_memory", Presence::optional).value_or(true);
 }
 
-CanSettings read_can(StrictTable& table) {
-  CanSettings can{
-      .interface = *name_at(table, "interface", Presence::required),
-      .id = static_cast<std::uint16_t>(
-          table.integer("id", kCanId, Presence::optional).value_or(wire::kDefaultCanId))};
-  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(can.interface); });
-  return can;
-}
-
-SinkSettings read_sink(StrictTable& table) {
+SinkSettings read_sink(StrictTable& table, std::optional<core::UpAxis>& up) {
   static constexpr std::array<std::string_view, 4> kTypes{"json", "udp", "unix", "can"};
   switch (*table.choice("type", kTypes, Presence::required)) {
     case 0:
@@ -156,7 +143,7 @@ SinkSettings read_sink(StrictTable& table) {
     case 2:
       return UnixSettings{read_socket_path(table, "path")};
     default:
-      return read_can(table);
+      return read_can(table, up);
   }
 }
 
@@ -203,6 +190,27 @@ void check_odometer(const StrictTable& root, const Configuration& configuration,
   }
 }
 
+/// Whether a sink and [reference] state one axis that points up.
+void check_up_of_sinks(const StrictTable& root, const Configuration& configuration) {
+  if (configuration.reference && configuration.reference->up != *configuration.up) {
+    root.fail_at("sink", "\"up\" is another axis than that of [reference]; a sensor has one");
+  }
+}
+
+/// Whether the vertical is known where a sink sends the rate about it.
+void check_vertical_of_sinks(const StrictTable& root, const Configuration& configuration) {
+  if (configuration.node.up || configuration.gyro.acceleration_range_g) return;
+  for (const SinkSettings& sink : configuration.sinks) {
+    const auto* can = std::get_if<CanSettings>(&sink);
+    if (can != nullptr && can->layout == CanLayout::yaw) {
+      root.fail_at("sink",
+                   "layout = \"yaw\" sends the rate about the vertical, and nothing shows the "
+                   "vertical: expected \"up\" beside it, such as up = \"z\", or [gyro] "
+                   "acceleration = true");
+    }
+  }
+}
+
 void read_node(StrictTable& root, Configuration& configuration, ErrorList& errors) {
   const std::string chip{configuration.gyro.model_chip()};
   std::optional<model::SensorModel> sensor;
@@ -225,6 +233,10 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
   std::optional<core::EarthRate> earth;
   std::optional<core::UpAxis> up;
   if (configuration.reference) up = configuration.reference->up;
+  if (configuration.up) {
+    errors.attempt([&] { check_up_of_sinks(root, configuration); });
+    up = configuration.up;
+  }
   with_table(root, "earth", Presence::optional, errors, [&](StrictTable& table) {
     earth = read_earth(table, configuration.gyro.acceleration_range_g.has_value(), up);
   });
@@ -240,6 +252,7 @@ void read_node(StrictTable& root, Configuration& configuration, ErrorList& error
     configuration.node = make_params(root, model::for_node(*sensor, has_accelerometer), filter,
                                      configuration.gyro.rate_hz);
     configuration.node.up = up;
+    check_vertical_of_sinks(root, configuration);
     if (earth) configuration.node.earth = *earth;
   });
 }
@@ -254,7 +267,7 @@ void read_outputs(StrictTable& root, Configuration& configuration, ErrorList& er
   errors.attempt([&] {
     for (StrictTable& sink : root.tables("sink")) {
       errors.attempt([&] {
-        configuration.sinks.push_back(read_sink(sink));
+        configuration.sinks.push_back(read_sink(sink, configuration.up));
         sink.reject_unknown();
       });
     }

@@ -49,6 +49,7 @@ struct Configuration {
   MetricsSettings metrics;
   RealTimeSettings real_time;
   std::vector<SinkSettings> sinks;
+  std::optional<core::UpAxis> up;  ///< axis that points up, where a sink states it
 };
 
 /// Strict: an unknown name, a wrong type, a missing key and an impossible value are

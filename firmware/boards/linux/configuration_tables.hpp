@@ -70,6 +70,9 @@ auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) 
 /// Axis that points up: z unless given.
 [[nodiscard]] std::optional<core::UpAxis> read_up(toml_file::StrictTable& table,
                                                   toml_file::Presence presence);
+/// Sink of a CAN bus.
+/// @param up  becomes the axis that points up, where the table states it
+[[nodiscard]] CanSettings read_can(toml_file::StrictTable& table, std::optional<core::UpAxis>& up);
 /// Path that a Unix socket can have.
 [[nodiscard]] std::string read_socket_path(toml_file::StrictTable& table, std::string_view key);
 

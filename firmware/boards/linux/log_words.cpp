@@ -68,6 +68,9 @@ std::string_view cure_of_speed(int error_number) {
 
 std::string_view cure_of_sink(std::string_view sink, int error_number) {
   if (error_number == ENOENT && sink.starts_with("json:")) return " (make its folder first)";
+  if (error_number == EINVAL && sink.starts_with("can:")) {
+    return " (is the interface set to CAN FD? ip link set NAME type can fd on)";
+  }
   switch (error_number) {
     case EAFNOSUPPORT:
       return " (has this kernel CAN? modprobe can_raw)";

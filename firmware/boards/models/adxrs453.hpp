@@ -29,6 +29,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {
     },
     .white_variance_rad2_s2 = 7.032888e-06F,
     .measurement_floor_variance_rad2_s2 = 0.0F,
+    .turn_on_variance_rad2_s2 = 7.6154356e-07F,
     .largest_bias_rad_s = 0.04363323F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
     .motion = {.scale_factor = 0.01F, .asymmetry = 0.0F},

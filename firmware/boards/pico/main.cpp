@@ -36,7 +36,7 @@ using Loop = app::NodeLoop<Node, Gyro, Pulses, LatestEdge, TimerClock, Console<L
 /// The last two sectors of the 2 MiB: a new image leaves them as they are.
 using Memory = FlashStorage<FlashChip, 0x1F'E000, (exported::kModelShape.hypotheses > 1) ? 1 : 4>;
 static_assert(app::Snapshot<Node>::kBytesOfFilters <= Memory::kLargestRecord);
-constexpr app::Snapshot<Node> kSnapshot{exported::kNodeParams, kSensor};
+constexpr app::Snapshot<Node> kSnapshot{kNodeParams, kSensor};
 
 // Variables that interrupts share with the main loop, each written by one of them.
 // NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
@@ -69,7 +69,7 @@ bool has_work() {
   static TimerClock clock;
   static Bus bus;
   static Gyro gyro{wire_on(bus), kGyroSettings};
-  static Node node{exported::kNodeParams};
+  static Node node{kNodeParams};
   static Memory memory;
   static StateKeeper keeper{kSnapshot, memory};
   static Console console{line};

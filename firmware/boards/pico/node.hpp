@@ -3,6 +3,7 @@
 /// settings and model; and the node for it. Free of the board: a replay on a PC includes them too.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "drivers/chips/chips.hpp"
@@ -24,7 +25,7 @@ using Chip = drivers::lsm6dso::Chip;
 
 /// A sample raises data-ready and is read within its period: no FIFO is needed.
 inline constexpr Chip::Settings kGyroSettings{};
-inline constexpr std::uint32_t kSpiHz = 8'000'000;
+inline constexpr std::uint32_t kSpiHz = std::min<std::uint32_t>(8'000'000, Chip::kHighestSpi_hz);
 
 /// How often the main loop turns even if no edge comes. A chip without a data-ready line is looked
 /// at twice a sample.
@@ -47,6 +48,16 @@ inline constexpr app::NodeCapacity kNodeCapacity{
     .runs_calibration_mean = exported::kNodeParams.published == app::Predictor::calibration_mean,
     .takes_references = false};
 using Node = app::GyroNode<exported::kModelShape, kNodeCapacity>;
-static_assert(Node::check(exported::kNodeParams).has_value());
+
+/// Those of the model. Without an odometer the calm of the gyro decides what is rest: a pin that is
+/// open would show a vehicle that never moves.
+inline constexpr auto kNodeParams = [] {
+  auto params = exported::kNodeParams;
+#ifdef ZERORATE_PICO_NO_ODOMETER
+  params.standstill.source = core::StandstillSource::gyro;
+#endif
+  return params;
+}();
+static_assert(Node::check(kNodeParams).has_value());
 
 }  // namespace zerorate::pico

@@ -15,11 +15,14 @@ const CHIPS = [
   { name: 'icm42688', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x4f, 0x20] },
   { name: 'bmi088', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x0f, 0x01] },
   { name: 'bmi088', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x0f, 0x01] },
+  { name: 'mpu6500', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131, upset: [0x1b, 0x08] },
+  { name: 'mpu6050', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131, upset: [0x1b, 0x08] },
+  { name: 'mpu6050', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131, option: '-no-odometer' },
   { name: 'adxrs453', bus: 'frames', period_us: 5000, lsb_dps: 1 / 80, isOneAxis: true },
 ];
 
-function withRig({ name, bus, period_us }, action) {
-  const rig = new Rig({ name: `zerorate-pico-${name}${bus === 'i2c' ? '-i2c' : ''}`, bus, chip: name });
+function withRig({ name, bus, period_us, option = '' }, action) {
+  const rig = new Rig({ name: `zerorate-pico-${name}${bus === 'i2c' ? '-i2c' : ''}${option}`, bus, chip: name });
   try {
     rig.measureForEver(MEASURED_DPS, { period_us, temperature: 31 });
     action(rig);
@@ -29,9 +32,9 @@ function withRig({ name, bus, period_us }, action) {
 }
 
 for (const chip of CHIPS) {
-  const { name, bus, period_us, lsb_dps, isOneAxis = false } = chip;
+  const { name, bus, period_us, lsb_dps, isOneAxis = false, option = '' } = chip;
 
-  test(`${name} on ${bus}: what the chip measures is published, every sample once`, () => withRig(chip, (rig) => {
+  test(`${name}${option} on ${bus}: what the chip measures is published, every sample once`, () => withRig(chip, (rig) => {
     rig.board.run(5e6);
     const messages = rates(rig.frames).filter(({ time_ns }) => time_ns > 1e9);
     assert.ok(Math.abs(messages.length - 4e6 / period_us) <= 2, `${messages.length} messages`);
@@ -65,4 +68,22 @@ for (const chip of CHIPS) {
     assert.equal(last.health & ~INCONSISTENT, CALIBRATED);
     assert.ok(Math.abs(last.axes[0].measured / RAD - MEASURED_DPS[0]) <= 0.501 * lsb_dps);
   }));
+}
+
+// The pin of the odometer is open in both: without one, the calm of the gyro tells driving from rest.
+for (const { option, moves } of [{ option: '', moves: false }, { option: '-no-odometer', moves: true }]) {
+  test(`mpu6050${option} that shakes straight on without a pulse ${moves ? 'moves' : 'does not move'}`, () => {
+    const rig = new Rig({ name: `zerorate-pico-mpu6050-i2c${option}`, bus: 'i2c', chip: 'mpu6050' });
+    try {
+      const noise = (i) => (i < 1500 ? 0.05 : 4) * Math.sin(1.7 * i * i);
+      rig.play(Array.from({ length: 1800 }, (_, i) => (
+        { time_us: 200_000 + 10_000 * i, rates: MEASURED_DPS.map((dps) => dps + noise(i)), temperature: 31 })));
+      rig.board.run(18e6);
+      const last = rates(rig.frames).at(-1);
+      assert.equal(last.motion === 'moving', moves);
+      assert.ok(Math.abs(last.axes[2].bias / RAD - MEASURED_DPS[2]) < 0.1, `bias ${last.axes[2].bias / RAD} deg/s`);
+    } finally {
+      rig.chip.close();
+    }
+  });
 }

@@ -19,6 +19,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
@@ -32,6 +33,14 @@ namespace {
 struct Answer {
   std::uint32_t value = 0;
   unsigned next = 0;
+};
+
+/// The MPU-6050, which is the same simulated chip with another identity.
+class Mpu6050 : public hal::sim::SimulatedMpu6500 {
+ public:
+  static constexpr std::string_view kName = "mpu6050";
+  explicit Mpu6050(const hal::sim::SimulatedClock& clock)
+      : SimulatedMpu6500(clock, kIdentityMpu6050) {}
 };
 
 Answer answer_to(hal::sim::RegisterChip auto& chip, char kind, std::istream& words) {
@@ -106,11 +115,13 @@ int run(std::span<char*> arguments) {
   std::ifstream requests(arguments[2]);
   std::ofstream replies(arguments[3]);
   bool is_known = false;
-  hal::sim::AllSimulatedChips::for_each([&]<class Chip> {
+  const auto serve_if_named = [&]<class Chip> {
     if (chip != Chip::kName) return;
     is_known = true;
     serve<Chip>(requests, replies);
-  });
+  };
+  hal::sim::AllSimulatedChips::for_each(serve_if_named);
+  serve_if_named.template operator()<Mpu6050>();
   if (!is_known) throw std::runtime_error("no chip " + chip);
   return 0;
 }

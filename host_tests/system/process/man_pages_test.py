@@ -72,7 +72,7 @@ class ManualPages(unittest.TestCase):
         for line in page("zerorated.toml.5").splitlines():
             if match := re.fullmatch(r"\.SS \[+(\w+)\]+", line):
                 table_name = match[1]
-            if match := re.fullmatch(r"\.B ([a-z_, ]+)", line):
+            if match := re.fullmatch(r"\.B ([a-z0-9_, ]+)", line):
                 described |= {(table_name, key) for key in match[1].split(", ")}
         self.assertEqual(described, documented)
 

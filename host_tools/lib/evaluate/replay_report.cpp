@@ -1,6 +1,7 @@
 #include "host_tools/lib/evaluate/replay_report.hpp"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,7 +59,7 @@ void shade_stops(Chart& chart, const ReplayTrace& trace) {
 Chart rate_chart(const ReplayTrace& trace) {
   Chart chart{.title = "Measured and corrected rate",
               .caption = "Output of the gyro, and rate that the node publishes. Drag to zoom.",
-              .x = {"Time", "s"},
+              .x = {.label = "Time", .unit = "s", .origin = trace.start_s()},
               .y = {"Rate", "deg/s"}};
   report::Series measured{.name = "measured", .colour = Colour::grey};
   report::Series corrected{.name = "corrected", .colour = Colour::blue};
@@ -105,7 +106,7 @@ Chart bias_chart(const ReplayTrace& trace) {
                   "predicted, and the interval grows as the sensor's noise allows. Without a "
                   "prediction the mean of the last stop would stand for it. The true bias, where "
                   "it is known, is the measured less the true rate.",
-              .x = {"Time", "s"},
+              .x = {.label = "Time", .unit = "s", .origin = trace.start_s()},
               .y = {"Bias", "deg/h"}};
   report::Series predicted{.name = "predicted bias", .colour = Colour::blue};
   report::Series mean{.name = "mean of the last stop",
@@ -134,7 +135,7 @@ Chart drift_chart(const ReplayTrace& trace) {
               .caption =
                   "The integral of the corrected rate less the true turn, drive by drive. The "
                   "bar at each drive is the Kalman predictor's own 95 % interval.",
-              .x = {"Start of the drive", "s"},
+              .x = {.label = "Start of the drive", .unit = "s", .origin = trace.start_s()},
               .y = {"Heading drift", "deg"}};
   for (const app::Predictor predictor : kAllPredictors) {
     const auto p = static_cast<std::size_t>(predictor);
@@ -276,7 +277,8 @@ report::Report make_report(const ReplayResult& result, const std::vector<std::si
                            const ReplayTrace& trace, const RestRecord& rest,
                            const model::SensorModel& model, const ReplayReportText& text) {
   const bool scored = result.truth_known && result.scores[trace.axis()].front().drives() > 0;
-  report::Report report{text.title, text.lead + " " + summary(result, trace.axis())};
+  report::Report report{text.title, text.lead + " " + summary(result, trace.axis()) +
+                                        report::origin_in_words(trace.start_s())};
   auto& bias = report.section("Bias of axis " + axis_name(result, trace.axis()));
   if (scored) bias.key_figures(key_figures(result, trace.axis()));
   bias.chart(bias_chart(trace)).chart(rate_chart(trace));
@@ -301,7 +303,7 @@ report::Chart learnt_chart(const ReplayTrace& trace, std::string title, report::
                            LearntInterval LearntModel::*figure) {
   report::Chart chart{.title = std::move(title),
                       .caption = "At the end of each stop; the band is the 95 % interval.",
-                      .x = {"Time", "s"},
+                      .x = {.label = "Time", .unit = "s", .origin = trace.start_s()},
                       .y = std::move(y)};
   report::Series series{
       .name = "learnt", .style = report::SeriesStyle::steps, .colour = report::Colour::blue};

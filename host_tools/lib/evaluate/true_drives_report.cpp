@@ -65,13 +65,13 @@ void add_discarded(BandRow& row, const ReplayTrace& trace, double filter_tick_s)
 }
 
 /// The heading's error within each drive; between them the line is broken.
-Chart error_chart(const TrueDrives& drives) {
+Chart error_chart(const TrueDrives& drives, const ReplayTrace& trace) {
   Chart chart{.title = "Heading error along each drive",
               .caption =
                   "From two seconds before a departure to two seconds after the arrival: the "
                   "integral of the published rate, minus the turn of the reference. The slope "
                   "is the bias error.",
-              .x = {"Time", "s"},
+              .x = {.label = "Time", .unit = "s", .origin = trace.start_s()},
               .y = {"Heading error", "deg"}};
   report::Series series{.name = "heading error", .colour = Colour::blue};
   for (const ScoredTrueDrive& scored : drives.drives) {
@@ -192,7 +192,7 @@ Chart stop_chart(const ReplayTrace& trace, const TrueDrives& drives, double filt
                   "Rows from the top: true stops, stops by the odometer, what of them the "
                   "node learnt from, and what it discarded: settle time, hold-back, and "
                   "what it judged to be motion.",
-              .x = {"Time", "s"},
+              .x = {.label = "Time", .unit = "s", .origin = trace.start_s()},
               .y = {"Row", ""}};
   BandRow truth{"true stop", 4.0, Colour::ink};
   for (const truth::Stop& stop : drives.truth.stops) {
@@ -220,7 +220,7 @@ void add_true_drives(report::Report& report, const TrueDrives& drives, const Rep
   section.paragraph(summary(drives, result.axis_count));
   section.chart(stop_chart(trace, drives, filter_tick_s));
   if (drives.scored() == 0) return;
-  section.chart(error_chart(drives))
+  section.chart(error_chart(drives, trace))
       .chart(end_chart(drives))
       .table(score_table(drives))
       .table(drive_table(drives));

@@ -19,6 +19,7 @@ struct Axis {
   std::string label{};  ///< name of the quantity: "Cluster time"
   std::string unit{};   ///< "s", "deg/h"; empty for a ratio or a count
   Scale scale = Scale::linear;
+  double origin = 0.0;  ///< zero of the axis: the chart shows x minus it (of y: unused)
 };
 
 /// Style in which the points of a series are drawn.

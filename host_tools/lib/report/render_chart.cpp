@@ -213,7 +213,25 @@ std::string figure_html(const Figure& figure, const json& data) {
 
 }  // namespace
 
+namespace {
+
+/// Curves with x counted from the origin of its axis.
+Chart counted_from_origin(Chart chart) {
+  for (Series& one : chart.series) {
+    for (double& x : one.x) x -= chart.x.origin;
+  }
+  for (Interval& interval : chart.shaded) {
+    interval.from -= chart.x.origin;
+    interval.to -= chart.x.origin;
+  }
+  chart.x.origin = 0.0;
+  return chart;
+}
+
+}  // namespace
+
 std::string render(const Chart& chart) {
+  if (chart.x.origin != 0.0) return render(counted_from_origin(chart));
   json series = json::array();
   for (const Series& one : chart.series) check(chart, one);
   const DisplayWindow window = window_of(chart);

@@ -1,7 +1,9 @@
 #include "host_tools/lib/report/report.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <ctime>
 #include <utility>
 
 #include "host_tools/lib/output/output_file.hpp"
@@ -119,6 +121,17 @@ std::string Report::html() const {
 
 void Report::write(const std::filesystem::path& path) const {
   output::write_file(path, html());
+}
+
+std::string origin_in_words(double start_s) {
+  constexpr double kEpoch_s = 1e8;  // in 1973: no clock that starts with its machine shows it
+  if (start_s < 1.0) return "";
+  if (start_s < kEpoch_s) {
+    return fmt::format(" Times count from the first sample, at {:.0f} s of the recording's clock.",
+                       start_s);
+  }
+  return fmt::format(" Times count from the first sample, at {:%Y-%m-%d %H:%M:%S} UTC.",
+                     fmt::gmtime(static_cast<std::time_t>(start_s)));
 }
 
 }  // namespace zerorate::report

@@ -68,4 +68,9 @@ class Report {
   std::deque<Section> sections_;
 };
 
+/// Sentence for a lead, with a blank before it: when the first sample was, from which charts with
+/// its time as `Axis::origin` count. Stamps since 1970 become a date; empty within the clock's
+/// first second.
+[[nodiscard]] std::string origin_in_words(double start_s);
+
 }  // namespace zerorate::report

@@ -19,13 +19,18 @@ namespace zerorate::linux_node {
 /// A receiver that is absent, slow or broken costs messages, which are counted, never time.
 class Sink {
  public:
-  explicit Sink(std::string name) : name_(std::move(name)) {}
+  /// @param every  takes the first of so many messages; the others are not counted
+  explicit Sink(std::string name, std::uint32_t every = 1)
+      : name_(std::move(name)), every_(every) {}
   Sink(const Sink&) = delete;
   Sink& operator=(const Sink&) = delete;
   virtual ~Sink() = default;
 
   /// Never blocks for a receiver; no heap.
   void publish(const wire::NumberedMessage& message) {
+    const bool is_due = offered_ == 0;
+    offered_ = (offered_ + 1) % every_;
+    if (!is_due) return;
     if (send(message)) {
       ++sent_;
       error_number_ = 0;
@@ -51,14 +56,12 @@ class Sink {
   virtual bool send(const wire::NumberedMessage& message) = 0;
 
   std::string name_;
+  std::uint32_t every_;
+  std::uint32_t offered_ = 0;  ///< since the last one that was due
   std::uint64_t sent_ = 0;
   std::uint64_t dropped_ = 0;
   int error_number_ = 0;
 };
-
-/// Whether a CAN controller is bus-off after a frame of the kernel.
-/// @param can_id  of the frame; others than error frames change nothing
-[[nodiscard]] bool is_bus_off_after(std::uint32_t can_id, bool is_bus_off);
 
 /// For logs and metrics: "udp:127.0.0.1:4242".
 [[nodiscard]] std::string name_of(const SinkSettings& settings);

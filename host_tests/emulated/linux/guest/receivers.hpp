@@ -98,7 +98,8 @@ class Receivers {
         can_messages_.push_back(axes_);
       } else if (frame.can_id >= 0x201 && frame.can_id <= 0x203) {
         axes_.rate_dps.at(frame.can_id - 0x201U) = number(frame, 0) * 1e-6;
-        axes_.bias_dps.at(frame.can_id - 0x201U) = number(frame, 4) * 1e-6;
+        // 28 bits with a sign below the counter.
+        axes_.bias_dps.at(frame.can_id - 0x201U) = ((number(frame, 4) << 4) >> 4) * 1e-6;
       }
     }
   }

@@ -47,6 +47,20 @@ TEST(CatalogueEntriesWithoutADataSheetFigure, SaySo) {
   EXPECT_THAT(find_model("bmi088").flicker->source, testing::StartsWith("Not in the data sheet"));
 }
 
+TEST(CatalogueEntries, SayWhatSwitchingOnChangesAndWhereThatIsFrom) {
+  for (const CatalogueEntry& entry : catalogue()) {
+    SCOPED_TRACE(entry.name);
+    const SensorModel model = find_model(entry.name);
+    ASSERT_TRUE(model.turn_on);
+    EXPECT_GT(model.turn_on->sigma_rad_s, 0.0);
+    if (model.zero_rate) {
+      EXPECT_LT(model.turn_on->sigma_rad_s, 0.1 * model.zero_rate->limit_rad_s);
+    }
+    EXPECT_THAT(model.turn_on->source,
+                testing::AnyOf(testing::StartsWith("Measured"), testing::StartsWith("Assumed")));
+  }
+}
+
 TEST(CatalogueEntries, BoundTheBiasWhereAFigureForItIsKnown) {
   const auto limit_dps = [](std::string_view name) {
     const SensorModel sensor = find_model(name);

@@ -145,6 +145,8 @@ TEST(HeadersOfTheOtherGyrosOfThePico, EqualTodaysExport) {
   for (const auto& [chip, sample_period] :
        {Exported{"icm42688", core::Duration::milliseconds(10)},
         Exported{"bmi088", core::Duration::milliseconds(10)},
+        Exported{"mpu6500", core::Duration::milliseconds(10)},
+        Exported{"mpu6050", core::Duration::milliseconds(10)},
         Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
     std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/" + chip + ".hpp");
     const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -225,6 +225,22 @@ TEST(Chart, HandsItsSeriesToTheBrowser) {
   EXPECT_FALSE(series.contains("lo"));
 }
 
+TEST(ChartWithAnOrigin, CountsXAndShadesFromIt) {
+  const Chart chart{.title = "Bias",
+                    .x = {.label = "Time", .unit = "s", .origin = 1.796e9},
+                    .series = {{.name = "b", .x = {1.796e9, 1.796e9 + 2.125}, .y = {1, 2}}},
+                    .shaded = {{1.796e9 + 0.5, 1.796e9 + 1.5}}};
+  const auto data = data_of(render(chart));
+  EXPECT_EQ(data["series"][0]["x"], nlohmann::json({0.0, 2.125}));
+  EXPECT_EQ(data["shaded"][0], nlohmann::json({0.5, 1.5}));
+}
+
+TEST(OriginOfTimes, IsNamedOnce) {
+  EXPECT_EQ(origin_in_words(0.01), "");
+  EXPECT_THAT(origin_in_words(812.4), HasSubstr("at 812 s of the recording's clock"));
+  EXPECT_THAT(origin_in_words(1.796e9), HasSubstr("at 2026-11-30 00:53:20 UTC"));
+}
+
 TEST(Chart, GivesColoursByPositionInTurn) {
   Chart chart = chart_of({.name = "0"});
   for (int i = 1; i < 7; ++i) chart.series.push_back({.name = std::to_string(i)});

@@ -54,6 +54,14 @@ report::Chart chart_over(const DriveDiagnosis& drives, std::string title, report
   return chart;
 }
 
+/// Times of departure, counted from the earliest: stamps may count from 1970.
+report::Axis departures_from_first(const DriveDiagnosis& drives) {
+  const auto first = std::ranges::min_element(drives.points, {}, &DrivePoint::departure_s);
+  return {.label = "Departure after the first one",
+          .unit = "s",
+          .origin = first == drives.points.end() ? 0.0 : first->departure_s};
+}
+
 report::Table cost_table(std::span<const Diagnosis> axes, const DriveDiagnosis& drives) {
   report::Table table{
       .caption =
@@ -171,7 +179,7 @@ void add_drives(report::Report& report, const DriveDiagnosis& drives,
                         [](const DrivePoint& point) { return point.moving_s; }))
       .chart(chart_over(drives, "Heading error over the speed", {"Mean speed", "m/s"},
                         [](const DrivePoint& point) { return point.metres / point.moving_s; }))
-      .chart(chart_over(drives, "Heading error drive by drive", {"Departure", "s"},
+      .chart(chart_over(drives, "Heading error drive by drive", departures_from_first(drives),
                         [](const DrivePoint& point) { return point.departure_s; }));
 }
 

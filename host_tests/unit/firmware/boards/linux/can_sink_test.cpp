@@ -14,6 +14,8 @@
 #include <cerrno>
 #include <cstdarg>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "hal/linux/descriptor.hpp"
@@ -137,6 +139,68 @@ TEST_F(SinkOnCan, SendsAgainOnceItsInterfaceWasSetDownAndUp) {
   publish();
   EXPECT_EQ(sink_->error_number(), 0);
   EXPECT_GT(frames(), 0);
+}
+
+/// Frames that reached the bus, with their sizes in bytes of the kernel's structure.
+std::vector<std::pair<std::size_t, canfd_frame>> frames_on_bus() {
+  std::vector<std::pair<std::size_t, canfd_frame>> frames;
+  canfd_frame frame{};
+  for (;;) {
+    const ssize_t size = recv(can0.bus.get(), &frame, sizeof frame, MSG_DONTWAIT);
+    if (size <= 0) return frames;
+    frames.emplace_back(static_cast<std::size_t>(size), frame);
+  }
+}
+
+TEST(CanSinkOfAYawRate, SendsOneProtectedFrameOfEachNthMessage) {
+  const auto sink = make_sink(CanSettings{.interface = "can0",
+                                          .id = 0x300,
+                                          .layout = CanLayout::yaw,
+                                          .every = 5,
+                                          .e2e = {.data_id = 0x300}});
+  for (std::uint32_t i = 0; i < 100; ++i) sink->publish({.sequence = 1000 + i, .message = {}});
+  const auto frames = frames_on_bus();
+  ASSERT_EQ(frames.size(), 20U);
+  EXPECT_EQ(sink->sent(), 20U);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].first, std::size_t{CAN_MTU});
+    EXPECT_EQ(frames[i].second.can_id, 0x300U);
+    EXPECT_EQ(frames[i].second.data[1], 0x30 | i % 15);
+  }
+}
+
+TEST(CanSinkOfCanFd, SendsOneLongFrameAndSlowOnesOfEightBytes) {
+  const auto sink =
+      make_sink(CanSettings{.interface = "can0", .id = 0x300, .layout = CanLayout::fd});
+  for (int i = 0; i < 16; ++i) sink->publish({});
+  std::size_t long_frames = 0;
+  std::size_t turns = 0;
+  for (const auto& [size, frame] : frames_on_bus()) {
+    if (frame.can_id == 0x300) {
+      EXPECT_EQ(size, std::size_t{CANFD_MTU});
+      EXPECT_EQ(frame.len, 24);
+      ++long_frames;
+    } else {
+      EXPECT_EQ(size, std::size_t{CAN_MTU});
+      turns += frame.can_id == 0x305 ? 1U : 0U;
+    }
+  }
+  EXPECT_EQ(long_frames, 16U);
+  EXPECT_EQ(turns, 4U);
+}
+
+TEST(CanSink, CountsWhatWasLostOnItsWayToTheBus) {
+  const auto sink = make_sink(CanSettings{.interface = "can0", .id = 0x300});
+  sink->publish({});
+  can0.write_error = ENOBUFS;
+  sink->publish({});
+  can0.write_error = 0;
+  sink->publish({});
+  std::vector<int> counters;
+  for (const auto& [size, frame] : frames_on_bus()) {
+    if (frame.can_id == 0x300) counters.push_back((frame.data[0] >> 2) & 15);
+  }
+  EXPECT_EQ(counters, (std::vector{0, 2}));
 }
 
 }  // namespace

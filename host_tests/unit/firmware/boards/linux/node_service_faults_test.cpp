@@ -108,6 +108,18 @@ TEST(NodeServiceAfterAnotherBoot, NeedsATurnOn) {
   EXPECT_TRUE(was_logged("another boot, and the model has no [turn_on]"));
 }
 
+TEST(NodeServiceInTheSameBoot, SaysThatTheModelIsAnother) {
+  ServiceRig rig;
+  rig.configuration.node.model.turn_on_variance_rad2_s2 = std::numeric_limits<float>::infinity();
+  rig.restart(kBoot);
+  rig.run(2000);
+  rig.service->finish();
+  rig.configuration.node.model.white_variance_rad2_s2 *= 2.0F;
+  rig.restart(kBoot);
+  EXPECT_FALSE(rig.service->restore());
+  EXPECT_TRUE(was_logged("saved with another model, and this one has no [turn_on]"));
+}
+
 TEST(NodeServiceAfterAnotherBoot, AddsTheTurnOn) {
   NoiselessRig rig;
   rig.configuration.node.model.turn_on_variance_rad2_s2 = 1e-6F;

@@ -27,6 +27,7 @@
 
 #include "firmware/boards/linux/message_queue.hpp"
 #include "firmware/boards/linux/node_service.hpp"
+#include "firmware/boards/linux/outputs/can_sink.hpp"
 #include "firmware/boards/linux/outputs/sinks.hpp"
 #include "firmware/boards/linux/process/error_stream.hpp"
 #include "firmware/boards/linux/process/process.hpp"

@@ -1,0 +1,4 @@
+/* Simulated time since power-on [s]. */
+#pragma once
+
+double board_seconds();
