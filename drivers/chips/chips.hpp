@@ -11,9 +11,8 @@
 
 namespace zerorate::drivers {
 
-/// ChipEntries, by name.
+/// ChipEntries; each driver lists its own.
 using AllChips =
-    core::TypeList<adxrs453::Chip, lsm6dso::Asm330lhh, bmi088::Chip, icm42688::Chip,
-                   lsm6dso::Ism330dhcx, lsm6dso::Chip, lsm6dso::Lsm6dsv16x, mpu6500::Chip>;
+    core::Joined<adxrs453::Chips, bmi088::Chips, icm42688::Chips, lsm6dso::Chips, mpu6500::Chips>;
 
 }  // namespace zerorate::drivers

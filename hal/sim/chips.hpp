@@ -13,7 +13,10 @@
 namespace zerorate::hal::sim {
 
 using AllSimulatedChips =
-    core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedIcm42688,
-                   SimulatedIsm330dhcx, SimulatedLsm6dso, SimulatedLsm6dsv16x, SimulatedMpu6500>;
+    core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedIcm20602,
+                   SimulatedIcm20689, SimulatedIcm42605, SimulatedIcm42688, SimulatedIim42652,
+                   SimulatedIsm330dhcx, SimulatedLsm6ds3trC, SimulatedLsm6dsl, SimulatedLsm6dso,
+                   SimulatedLsm6dsox, SimulatedLsm6dsr, SimulatedLsm6dsv16x, SimulatedMpu6500,
+                   SimulatedMpu6886>;
 
 }  // namespace zerorate::hal::sim

@@ -95,6 +95,33 @@ struct Asm330lhh
   static constexpr const char* kName = "Asm330lhh";
 };
 
+struct Lsm6dsr : Lsm6Family<hal::sim::SimulatedLsm6dsr, drivers::lsm6dso::Lsm6dsr::Settings, true> {
+  static constexpr const char* kName = "Lsm6dsr";
+};
+
+struct Lsm6dsox
+    : Lsm6Family<hal::sim::SimulatedLsm6dsox, drivers::lsm6dso::Lsm6dsox::Settings, false> {
+  static constexpr const char* kName = "Lsm6dsox";
+};
+
+/// The older ones, whose FIFO is not used and has other registers at the same addresses.
+template <class SimulatedChip, class SettingsOfChip>
+struct Lsm6dslFamily : Lsm6Family<SimulatedChip, SettingsOfChip, false> {
+  static constexpr SettingsOfChip kFifo{.fifo_watermark = 200};  // none
+  static constexpr std::array kConfigured{ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x13, 0x42},
+                                          ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x10, 0xF0},
+                                          ConfiguredBits{0x0D, 0xFF}, ConfiguredBits{0x07, 0xFF},
+                                          ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF},
+                                          ConfiguredBits{0x0A, 0xF7}, ConfiguredBits{0x11, 0xFF}};
+};
+struct Lsm6dsl : Lsm6dslFamily<hal::sim::SimulatedLsm6dsl, drivers::lsm6dso::Lsm6dsl::Settings> {
+  static constexpr const char* kName = "Lsm6dsl";
+};
+struct Lsm6ds3trC
+    : Lsm6dslFamily<hal::sim::SimulatedLsm6ds3trC, drivers::lsm6dso::Lsm6ds3trC::Settings> {
+  static constexpr const char* kName = "Lsm6ds3trC";
+};
+
 /// The youngest, with its range in another register.
 struct Lsm6dsv16x
     : Lsm6Family<hal::sim::SimulatedLsm6dsv16x, drivers::lsm6dso::Lsm6dsv16x::Settings, true> {
@@ -110,10 +137,11 @@ struct Lsm6dsv16x
   static constexpr core::Duration kLatest = core::Duration::microseconds(111'700);
 };
 
-struct Icm42688 {
-  static constexpr const char* kName = "Icm42688";
-  using Simulated = hal::sim::SimulatedIcm42688;
-  using Settings = drivers::icm42688::Settings;
+/// TDK's family, whose registers are the same in all of them.
+template <class SimulatedChip, class SettingsOfChip>
+struct Icm42Family {
+  using Simulated = SimulatedChip;
+  using Settings = SettingsOfChip;
   using FullScale = drivers::icm42688::FullScale;
   template <class Bus>
   using Driver = drivers::Icm42688<Bus>;
@@ -151,6 +179,16 @@ struct Icm42688 {
   /// 60 ms and three samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(90);
   static constexpr core::Duration kLatest = core::Duration::milliseconds(100);
+};
+
+struct Icm42688 : Icm42Family<hal::sim::SimulatedIcm42688, drivers::icm42688::Settings> {
+  static constexpr const char* kName = "Icm42688";
+};
+struct Icm42605 : Icm42Family<hal::sim::SimulatedIcm42605, drivers::icm42688::Icm42605::Settings> {
+  static constexpr const char* kName = "Icm42605";
+};
+struct Iim42652 : Icm42Family<hal::sim::SimulatedIim42652, drivers::icm42688::Iim42652::Settings> {
+  static constexpr const char* kName = "Iim42652";
 };
 
 struct Bmi088 {
@@ -191,10 +229,11 @@ struct Bmi088 {
   static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
 };
 
-struct Mpu6500 {
-  static constexpr const char* kName = "Mpu6500";
-  using Simulated = hal::sim::SimulatedMpu6500;
-  using Settings = drivers::mpu6500::Settings;
+/// InvenSense's older family.
+template <class SimulatedChip, class SettingsOfChip>
+struct Mpu6Family {
+  using Simulated = SimulatedChip;
+  using Settings = SettingsOfChip;
   using FullScale = drivers::mpu6500::FullScale;
   template <class Bus>
   using Driver = drivers::Mpu6500<Bus>;
@@ -219,9 +258,6 @@ struct Mpu6500 {
   static constexpr bool kHasWatermark = false;
 
   static constexpr std::uint8_t kIdentity = 0x75;
-  /// Answers that the driver takes, copies included.
-  static constexpr std::array<std::uint8_t, 7> kIdentities{0x68, 0x70, 0x71, 0x72,
-                                                           0x73, 0x74, 0x98};
   static constexpr std::array kConfigured{
       ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
       ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB}, ConfiguredBits{0x37, 0xFE},
@@ -230,6 +266,39 @@ struct Mpu6500 {
   /// 70 ms and three samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(100);
   static constexpr core::Duration kLatest = core::Duration::milliseconds(110);
+};
+
+struct Mpu6500 : Mpu6Family<hal::sim::SimulatedMpu6500, drivers::mpu6500::Settings> {
+  static constexpr const char* kName = "Mpu6500";
+  /// Answers that the driver takes, copies included.
+  static constexpr std::array<std::uint8_t, 7> kIdentities{0x68, 0x70, 0x71, 0x72,
+                                                           0x73, 0x74, 0x98};
+};
+
+struct Icm20689 : Mpu6Family<hal::sim::SimulatedIcm20689, drivers::mpu6500::Icm20689::Settings> {
+  static constexpr const char* kName = "Icm20689";
+  static constexpr float kTemperatureLsb = 1.0F / 326.8F;
+};
+
+/// The younger ones, with 1008 bytes of FIFO and eight bytes a sample.
+template <class SimulatedChip, class SettingsOfChip>
+struct Icm206Family : Mpu6Family<SimulatedChip, SettingsOfChip> {
+  static constexpr float kTemperatureLsb = 1.0F / 326.8F;
+  static constexpr std::size_t kFifoCapacity = 126;
+  static constexpr std::array kConfigured{ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x70, 0x40},
+                                          ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
+                                          ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB},
+                                          ConfiguredBits{0x37, 0xFE}, ConfiguredBits{0x38, 0x79},
+                                          ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+  /// 100 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(130);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
+};
+struct Icm20602 : Icm206Family<hal::sim::SimulatedIcm20602, drivers::mpu6500::Icm20602::Settings> {
+  static constexpr const char* kName = "Icm20602";
+};
+struct Mpu6886 : Icm206Family<hal::sim::SimulatedMpu6886, drivers::mpu6500::Mpu6886::Settings> {
+  static constexpr const char* kName = "Mpu6886";
 };
 
 /// The older relative, with another thermometer and twice the FIFO.
@@ -300,13 +369,16 @@ struct OverFrames {
   static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
 };
 
-/// Every chip with a FIFO in every wiring.
+/// Every chip with a FIFO in every wiring, or in one where it differs from another by its name.
 using WiringsWithFifo =
     core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
                    OverSpi<Bmi088>, OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>,
                    OverI2c<Mpu6050>, OverSpi<Ism330dhcx>, OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>,
-                   OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>>;
+                   OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>, OverSpi<Lsm6dsr>,
+                   OverI2c<Lsm6dsox>, OverSpi<Icm42605>, OverI2c<Iim42652>, OverSpi<Icm20689>,
+                   OverSpi<Icm20602>, OverI2c<Icm20602>, OverI2c<Mpu6886>>;
 /// The other chips.
-using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
+using WiringsWithoutFifo =
+    core::TypeList<OverFrames<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>>;
 
 }  // namespace zerorate::support
