@@ -6,13 +6,14 @@
 #include "drivers/adxrs453/chip.hpp"
 #include "drivers/bmi088/chip.hpp"
 #include "drivers/icm42688/chip.hpp"
+#include "drivers/l3gd20h/chip.hpp"
 #include "drivers/lsm6dso/chip.hpp"
 #include "drivers/mpu6500/chip.hpp"
 
 namespace zerorate::drivers {
 
 /// ChipEntries; each driver lists its own.
-using AllChips =
-    core::Joined<adxrs453::Chips, bmi088::Chips, icm42688::Chips, lsm6dso::Chips, mpu6500::Chips>;
+using AllChips = core::Joined<adxrs453::Chips, bmi088::Chips, icm42688::Chips, l3gd20h::Chips,
+                              lsm6dso::Chips, mpu6500::Chips>;
 
 }  // namespace zerorate::drivers
