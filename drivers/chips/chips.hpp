@@ -5,6 +5,7 @@
 #include "core/base/compile_time.hpp"
 #include "drivers/adxrs453/chip.hpp"
 #include "drivers/bmi088/chip.hpp"
+#include "drivers/bmi160/chip.hpp"
 #include "drivers/icm42688/chip.hpp"
 #include "drivers/l3gd20h/chip.hpp"
 #include "drivers/lsm6dso/chip.hpp"
@@ -13,7 +14,7 @@
 namespace zerorate::drivers {
 
 /// ChipEntries; each driver lists its own.
-using AllChips = core::Joined<adxrs453::Chips, bmi088::Chips, icm42688::Chips, l3gd20h::Chips,
-                              lsm6dso::Chips, mpu6500::Chips>;
+using AllChips = core::Joined<adxrs453::Chips, bmi088::Chips, bmi160::Chips, icm42688::Chips,
+                              l3gd20h::Chips, lsm6dso::Chips, mpu6500::Chips>;
 
 }  // namespace zerorate::drivers

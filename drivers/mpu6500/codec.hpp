@@ -32,25 +32,26 @@ struct Variant {
   float counts_per_degree;    ///< slope of the thermometer; 0: not known
   float degc_at_zero_counts;  ///< its temperature at 0 counts
   PathReset path_reset;
-  bool has_accel_config_2;        ///< filter of the accelerometer in a register of its own
-  std::uint8_t start_up_ms = 70;  ///< until the gyro's output may be used
+  bool has_accel_config_2;   ///< filter of the accelerometer in a register of its own
+  std::uint8_t start_up_ms;  ///< until the gyro's output may be used
   /// ICM-20602 and its like: the gyro goes into the FIFO with the temperature alone, and the switch
   /// of the I2C interface stands in I2C_IF.
-  bool is_younger = false;
+  bool is_younger;
 };
 
 /// Chips that are accepted; README.md gives the reasons.
 inline constexpr std::array kVariants{
     // MPU-6050, MPU-6000, MPU-9150
-    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi, false},
+    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi, false, 70, false},
     // MPU-6500, also where MPU-6050 is written on it
-    Variant{0x70, 512, 333.87F, 21.0F, PathReset::always, true},
-    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-9250
-    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never, false},      // no chip of InvenSense's: a copy
-    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-9255
-    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-6515
+    Variant{0x70, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},
+    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},  // MPU-9250
+    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never, false, 70,
+            false},  // no chip of InvenSense's: a copy
+    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},  // MPU-9255
+    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},  // MPU-6515
     // ICM-20689, also where MPU-6050 is written on it
-    Variant{0x98, 512, 326.8F, 25.0F, PathReset::never, true},
+    Variant{0x98, 512, 326.8F, 25.0F, PathReset::never, true, 70, false},
     Variant{0x12, 1008, 326.8F, 25.0F, PathReset::never, true, 100, true},  // ICM-20602
     Variant{0x19, 1008, 326.8F, 25.0F, PathReset::never, true, 100, true},  // MPU-6886
 };

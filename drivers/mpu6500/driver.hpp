@@ -336,7 +336,7 @@ class Mpu6500 {
   Bus bus_;
   Chosen settings_;
   core::AngularRate lsb_;
-  const mpu6500::Variant* variant_;  ///< the one that answered, while it runs
+  const mpu6500::Variant* variant_ = nullptr;  ///< the one that answered, while it runs
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;
   BlankFrames blank_frames_;

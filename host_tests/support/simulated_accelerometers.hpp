@@ -94,6 +94,19 @@ struct Mpu6050WithAcceleration : WithAcceleration<Mpu6050, drivers::mpu6500::Chi
                                           ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
 };
 
+struct Bmi160WithAcceleration : WithAcceleration<Bmi160, drivers::bmi160::Chip> {
+  static constexpr const char* kName = "Bmi160WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 85;
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(100);
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x40, 0xFF}, ConfiguredBits{0x41, 0x0F},
+      ConfiguredBits{0x42, 0x3F}, ConfiguredBits{0x43, 0x07}, ConfiguredBits{0x46, 0xFF},
+      ConfiguredBits{0x51, 0x7F}, ConfiguredBits{0x53, 0x0F}, ConfiguredBits{0x54, 0x1F},
+      ConfiguredBits{0x56, 0xF0}, ConfiguredBits{0x47, 0xFE}};
+};
+
 /// Two dies on one I2C bus. The gyro's samples come 55 ms later: the accelerometer needs so long.
 struct Bmi088WithAcceleration : WithAcceleration<Bmi088, drivers::bmi088::Chip> {
   static constexpr const char* kName = "Bmi088WithAcceleration";
@@ -132,6 +145,6 @@ using WiringsWithAcceleration =
                    OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
                    OverI2c<Icm42688WithAcceleration>, OverSpi<Mpu6500WithAcceleration>,
                    OverI2c<Mpu6050WithAcceleration>, OverSpi<Icm20602WithAcceleration>,
-                   OverI2cTwice<Bmi088WithAcceleration>>;
+                   OverSpi<Bmi160WithAcceleration>, OverI2cTwice<Bmi088WithAcceleration>>;
 
 }  // namespace zerorate::support

@@ -193,6 +193,45 @@ struct Mpu6050 : Mpu6500 {
   static constexpr std::size_t kFifoCapacity = 170;
 };
 
+struct Bmi160 {
+  static constexpr const char* kName = "Bmi160";
+  using Simulated = hal::sim::SimulatedBmi160;
+  using Settings = drivers::bmi160::Settings;
+  using FullScale = drivers::bmi160::FullScale;
+  template <class Bus>
+  using Driver = drivers::Bmi160<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x68};
+
+  static constexpr Settings kDataReady{.mode = drivers::bmi160::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::bmi160::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 1.0F / 262.144F, 124.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr float kLsbDps = 1.0F / 131.072F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32768;
+  static constexpr float kTemperatureLsb = 1.0F / 512.0F;
+  /// They are not, but a flipped bit makes of the level no multiple of a frame.
+  static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 1;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 170;
+  static constexpr bool kHasWatermark = true;
+
+  static constexpr std::uint8_t kIdentity = 0x00;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x42, 0x3F}, ConfiguredBits{0x43, 0x07},
+      ConfiguredBits{0x46, 0xFF}, ConfiguredBits{0x51, 0x7F}, ConfiguredBits{0x53, 0x0F},
+      ConfiguredBits{0x54, 0x1F}, ConfiguredBits{0x56, 0xF0}, ConfiguredBits{0x47, 0xFE}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(95);
+  /// 30 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(60);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(70);
+};
+
 struct Adxrs453 {
   static constexpr const char* kName = "Adxrs453";
   using Simulated = hal::sim::SimulatedAdxrs453;
@@ -261,7 +300,7 @@ using WiringsWithFifo =
                    OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>, OverSpi<Lsm6dsr>,
                    OverI2c<Lsm6dsox>, OverSpi<Icm42605>, OverI2c<Iim42652>, OverSpi<Icm20689>,
                    OverSpi<Icm20602>, OverI2c<Icm20602>, OverI2c<Mpu6886>, OverSpi<L3gd20h>,
-                   OverI2c<L3gd20h>, OverI2c<L3g4200d>>;
+                   OverI2c<L3gd20h>, OverSpi<Bmi160>, OverI2c<Bmi160>, OverI2c<L3g4200d>>;
 /// The other chips.
 using WiringsWithoutFifo =
     core::TypeList<OverFrames<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>>;
