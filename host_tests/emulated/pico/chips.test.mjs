@@ -15,6 +15,7 @@ const CHIPS = [
   { name: 'icm42688', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x4f, 0x20] },
   { name: 'bmi088', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x0f, 0x01] },
   { name: 'bmi088', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x0f, 0x01] },
+  { name: 'bmi160', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x43, 0x01] },
   { name: 'adxrs453', bus: 'frames', period_us: 5000, lsb_dps: 1 / 80, isOneAxis: true },
 ];
 
