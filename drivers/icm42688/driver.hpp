@@ -42,14 +42,21 @@ struct SettingsOf {
 using Settings = SettingsOf<Part::icm42688>;
 
 /// Settings of any part.
-struct Chosen : Settings {
-  template <Part kPart>
-  constexpr explicit Chosen(const SettingsOf<kPart>& settings)
-      : Settings{settings.full_scale, settings.rate, settings.mode, settings.fifo_watermark},
-        part(kPart) {}
-
-  Part part;
+struct Chosen {
+  FullScale full_scale = FullScale::dps_250;
+  OutputDataRate rate = OutputDataRate::hz_100;
+  Mode mode = Mode::data_ready;
+  std::uint8_t fifo_watermark = 0;
+  Part part = Part::icm42688;
 };
+template <Part kPart>
+[[nodiscard]] constexpr Chosen chosen(const SettingsOf<kPart>& settings) {
+  return {.full_scale = settings.full_scale,
+          .rate = settings.rate,
+          .mode = settings.mode,
+          .fifo_watermark = settings.fifo_watermark,
+          .part = kPart};
+}
 
 }  // namespace icm42688
 
@@ -70,17 +77,17 @@ class Icm42688 {
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Icm42688(Bus bus, icm42688::Settings settings = {})
-      : Icm42688(Chosen{settings}, icm42688::AccelerationRange::g_4, bus) {}
+      : Icm42688(icm42688::chosen(settings), icm42688::AccelerationRange::g_4, bus) {}
   /// A relative, by the type of its settings. One class drives them all: an image with two of them
   /// has its code once.
   template <icm42688::Part kPart>
   constexpr Icm42688(Bus bus, const icm42688::SettingsOf<kPart>& settings)
-      : Icm42688(Chosen{settings}, icm42688::AccelerationRange::g_4, bus) {}
+      : Icm42688(icm42688::chosen(settings), icm42688::AccelerationRange::g_4, bus) {}
   template <icm42688::Part kPart>
   constexpr Icm42688(Bus bus, const icm42688::SettingsOf<kPart>& settings,
                      icm42688::AccelerationRange range) requires(kAccelerometer ==
                                                                  Accelerometer::on)
-      : Icm42688(Chosen{settings}, range, bus) {}
+      : Icm42688(icm42688::chosen(settings), range, bus) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// 1 ms has passed, then identity, configuration (39 transactions) and success. When it runs, or

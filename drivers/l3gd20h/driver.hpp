@@ -40,14 +40,21 @@ struct SettingsOf {
 using Settings = SettingsOf<Part::l3gd20h>;
 
 /// Settings of any part.
-struct Chosen : Settings {
-  template <Part kPart>
-  constexpr explicit Chosen(const SettingsOf<kPart>& settings)
-      : Settings{settings.full_scale, settings.rate, settings.mode, settings.fifo_watermark},
-        variant(&l3gd20h::variant(kPart)) {}
-
-  const Variant* variant;
+struct Chosen {
+  FullScale full_scale = FullScale::dps_250;
+  OutputDataRate rate = OutputDataRate::times_1;
+  Mode mode = Mode::data_ready;
+  std::uint8_t fifo_watermark = 0;
+  const Variant* variant = nullptr;
 };
+template <Part kPart>
+[[nodiscard]] constexpr Chosen chosen(const SettingsOf<kPart>& settings) {
+  return {.full_scale = settings.full_scale,
+          .rate = settings.rate,
+          .mode = settings.mode,
+          .fifo_watermark = settings.fifo_watermark,
+          .variant = &l3gd20h::variant(kPart)};
+}
 
 }  // namespace l3gd20h
 
@@ -64,11 +71,11 @@ class L3gd20h {
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit L3gd20h(Bus bus, l3gd20h::Settings settings = {})
-      : L3gd20h(Chosen{settings}, bus) {}
+      : L3gd20h(l3gd20h::chosen(settings), bus) {}
   /// A relative, by the type of its settings. One class drives them all.
   template <l3gd20h::Part kPart>
   constexpr L3gd20h(Bus bus, const l3gd20h::SettingsOf<kPart>& settings)
-      : L3gd20h(Chosen{settings}, bus) {}
+      : L3gd20h(l3gd20h::chosen(settings), bus) {}
 
   /// First call: identity, then the FIFO emptied and the trimming loaded again, then always
   /// not_ready. Later calls: not_ready until 10 ms have passed, then identity, configuration (21

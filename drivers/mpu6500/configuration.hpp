@@ -27,13 +27,19 @@ struct SettingsOf {
 using Settings = SettingsOf<Part::mpu6500>;
 
 /// Settings of any part.
-struct Chosen : Settings {
-  template <Part kPart>
-  constexpr explicit Chosen(const SettingsOf<kPart>& settings)
-      : Settings{settings.full_scale, settings.rate, settings.mode}, part(kPart) {}
-
-  Part part;
+struct Chosen {
+  FullScale full_scale = FullScale::dps_250;
+  OutputDataRate rate = OutputDataRate::hz_100;
+  Mode mode = Mode::data_ready;
+  Part part = Part::mpu6500;
 };
+template <Part kPart>
+[[nodiscard]] constexpr Chosen chosen(const SettingsOf<kPart>& settings) {
+  return {.full_scale = settings.full_scale,
+          .rate = settings.rate,
+          .mode = settings.mode,
+          .part = kPart};
+}
 
 inline constexpr std::size_t kGyroEntries = 10;
 

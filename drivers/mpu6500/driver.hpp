@@ -40,16 +40,16 @@ class Mpu6500 {
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Mpu6500(Bus bus, mpu6500::Settings settings = {})
-      : Mpu6500(Chosen{settings}, mpu6500::AccelerationRange::g_4, bus) {}
+      : Mpu6500(mpu6500::chosen(settings), mpu6500::AccelerationRange::g_4, bus) {}
   /// A relative, by the type of its settings. One class drives them all: an image with two of them
   /// has its code once.
   template <mpu6500::Part kPart>
   constexpr Mpu6500(Bus bus, const mpu6500::SettingsOf<kPart>& settings)
-      : Mpu6500(Chosen{settings}, mpu6500::AccelerationRange::g_4, bus) {}
+      : Mpu6500(mpu6500::chosen(settings), mpu6500::AccelerationRange::g_4, bus) {}
   template <mpu6500::Part kPart>
   constexpr Mpu6500(Bus bus, const mpu6500::SettingsOf<kPart>& settings,
                     mpu6500::AccelerationRange range) requires(kAccelerometer == Accelerometer::on)
-      : Mpu6500(Chosen{settings}, range, bus) {}
+      : Mpu6500(mpu6500::chosen(settings), range, bus) {}
 
   /// First call: identity, then reset, then always not_ready. Later calls: not_ready until 100 ms
   /// have passed; then identity, waking up, and where the chip needs it a reset of the signal

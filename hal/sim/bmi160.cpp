@@ -227,7 +227,7 @@ void SimulatedBmi160::drive_int1() {
   const unsigned mapped = registers_[int_map_1];
   const bool is_output = (registers_[int_out_ctrl] & 0x08U) != 0;
   const bool is_active_high = (registers_[int_out_ctrl] & 0x02U) != 0;
-  const std::size_t watermark = 4U * registers_[fifo_config_0];
+  const std::size_t watermark = std::size_t{4} * registers_[fifo_config_0];
   const bool is_ready =
       (registers_[status] & 0xC0U) != 0 && (enabled & 0x10U) != 0 && (mapped & 0x80U) != 0;
   const bool is_filled =
