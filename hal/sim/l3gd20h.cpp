@@ -167,7 +167,8 @@ std::uint8_t SimulatedL3gd20h::next_address(std::uint8_t address) const {
   const unsigned increment = address & kIncrement;
   if (increment == 0) return address;
   const unsigned here = address & kRegister;
-  const unsigned next = here == out_z_h && is_fifo_on() ? unsigned{out_x_l} : (here + 1) & kRegister;
+  const unsigned next =
+      here == out_z_h && is_fifo_on() ? unsigned{out_x_l} : (here + 1) & kRegister;
   return static_cast<std::uint8_t>(increment | next);
 }
 
