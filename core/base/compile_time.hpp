@@ -20,6 +20,17 @@ struct TypeList {
   }
 };
 
+/// Lists one after the other, as one.
+template <class First, class... Others>
+struct Join {
+  using Type = First;
+};
+template <class... First, class... Second, class... Others>
+struct Join<TypeList<First...>, TypeList<Second...>, Others...>
+    : Join<TypeList<First..., Second...>, Others...> {};
+template <class... Lists>
+using Joined = typename Join<Lists...>::Type;
+
 /// Array of N copies of a value, whose type needs no default constructor.
 template <std::size_t N, class Value>
 [[nodiscard]] constexpr std::array<Value, N> filled_array(const Value& value) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/compile_time.hpp"
 #include "core/base/time.hpp"
 #include "drivers/adxrs453/codec.hpp"
 #include "drivers/adxrs453/driver.hpp"
@@ -50,5 +51,7 @@ struct Chip {
   }
 };
 static_assert(FrameChipEntry<Chip>);
+
+using Chips = core::TypeList<Chip>;
 
 }  // namespace zerorate::drivers::adxrs453

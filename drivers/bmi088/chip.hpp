@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/compile_time.hpp"
 #include "drivers/bmi088/accelerometer.hpp"
 #include "drivers/bmi088/codec.hpp"
 #include "drivers/bmi088/driver.hpp"
@@ -68,5 +69,7 @@ struct Chip {
 };
 static_assert(RegisterChipEntry<Chip>);
 static_assert(TwoDieChipEntry<Chip>);
+
+using Chips = core::TypeList<Chip>;
 
 }  // namespace zerorate::drivers::bmi088

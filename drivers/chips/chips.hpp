@@ -5,15 +5,16 @@
 #include "core/base/compile_time.hpp"
 #include "drivers/adxrs453/chip.hpp"
 #include "drivers/bmi088/chip.hpp"
+#include "drivers/bmi160/chip.hpp"
 #include "drivers/icm42688/chip.hpp"
+#include "drivers/l3gd20h/chip.hpp"
 #include "drivers/lsm6dso/chip.hpp"
 #include "drivers/mpu6500/chip.hpp"
 
 namespace zerorate::drivers {
 
-/// ChipEntries, by name.
-using AllChips =
-    core::TypeList<adxrs453::Chip, lsm6dso::Asm330lhh, bmi088::Chip, icm42688::Chip,
-                   lsm6dso::Ism330dhcx, lsm6dso::Chip, lsm6dso::Lsm6dsv16x, mpu6500::Chip>;
+/// ChipEntries; each driver lists its own.
+using AllChips = core::Joined<adxrs453::Chips, bmi088::Chips, bmi160::Chips, icm42688::Chips,
+                              l3gd20h::Chips, lsm6dso::Chips, mpu6500::Chips>;
 
 }  // namespace zerorate::drivers

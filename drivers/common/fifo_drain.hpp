@@ -20,31 +20,44 @@ enum class Frame : std::uint8_t { sample, no_sample, corrupt };
 
 /// Reads frames until out is full or so many were read; one transaction for every 16.
 /// @param data the register through which the FIFO is read; a burst stays on it
+/// @param frame_bytes of each frame, at most MostBytes
 /// @param waiting complete frames in the FIFO
-/// @param decode (span<const uint8_t, FrameBytes>, GyroSample&) -> Frame, called for every frame
-///        that is read, in the order of the FIFO
+/// @param decode (span<const uint8_t>, GyroSample&) -> Frame, called for every frame that is read,
+///        in the order of the FIFO
 /// @return samples in out; or the bus's error, or corrupt_data at the first corrupt frame
-template <std::size_t FrameBytes, RegisterBus Bus, class DataRegister, class Decode>
-core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, std::size_t waiting,
-                                                  std::span<GyroSample> out, Decode decode) {
+template <std::size_t MostBytes, RegisterBus Bus, class DataRegister, class Decode>
+core::Result<std::size_t, DriverError> drain_frames(Bus& bus, DataRegister data,
+                                                    std::size_t frame_bytes, std::size_t waiting,
+                                                    std::span<GyroSample> out, Decode decode) {
   constexpr std::size_t kBurstFrames = 16;
   std::size_t count = 0;
   while (waiting > 0 && count < out.size()) {
-    std::array<std::uint8_t, kBurstFrames * FrameBytes> bytes{};
+    std::array<std::uint8_t, kBurstFrames * MostBytes> bytes{};
     const std::size_t burst = std::min({kBurstFrames, waiting, out.size() - count});
-    const auto used = std::span{bytes}.first(burst * FrameBytes);
+    const auto used = std::span{bytes}.first(burst * frame_bytes);
     if (const auto done = read_registers(bus, data, used); !done) {
       return core::Unexpected{done.error()};
     }
     waiting -= burst;
-    for (auto rest = used; !rest.empty(); rest = rest.subspan(FrameBytes)) {
-      const Frame frame =
-          decode(std::span<const std::uint8_t, FrameBytes>{rest.first(FrameBytes)}, out[count]);
+    for (auto rest = used; !rest.empty(); rest = rest.subspan(frame_bytes)) {
+      const Frame frame = decode(rest.first(frame_bytes), out[count]);
       if (frame == Frame::corrupt) return refused(DriverErrorCode::corrupt_data, data.address);
       if (frame == Frame::sample) ++count;
     }
   }
   return count;
+}
+
+/// drain_frames() for frames whose size the compiler knows.
+/// @param decode (span<const uint8_t, FrameBytes>, GyroSample&) -> Frame
+template <std::size_t FrameBytes, RegisterBus Bus, class DataRegister, class Decode>
+core::Result<std::size_t, DriverError> drain_fifo(Bus& bus, DataRegister data, std::size_t waiting,
+                                                  std::span<GyroSample> out, Decode decode) {
+  return drain_frames<FrameBytes>(bus, data, FrameBytes, waiting, out,
+                                  [&](std::span<const std::uint8_t> frame, GyroSample& sample) {
+                                    return decode(std::span<const std::uint8_t, FrameBytes>{frame},
+                                                  sample);
+                                  });
 }
 
 /// Finds frames without a mark that a transfer did not read: all bits are 1 or all are 0 on all

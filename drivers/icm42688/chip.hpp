@@ -1,5 +1,5 @@
 /// @file
-/// The ICM-42688-P in the table of chips.
+/// The ICM-42688-P and its relatives in the table of chips.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/compile_time.hpp"
 #include "drivers/common/acceleration.hpp"
 #include "drivers/common/chip.hpp"
 #include "drivers/icm42688/codec.hpp"
@@ -15,14 +16,14 @@
 
 namespace zerorate::drivers::icm42688 {
 
-/// See drivers::ChipEntry.
-struct Chip {
-  static constexpr std::string_view kName = "icm42688";
+/// See drivers::ChipEntry. What all of them have in common.
+template <Part kPart>
+struct ChipOf {
   template <RegisterBus Bus>
   using Driver = Icm42688<Bus>;
   template <RegisterBus Bus>
   using DriverWithAcceleration = Icm42688<Bus, Accelerometer::on>;
-  using Settings = icm42688::Settings;
+  using Settings = SettingsOf<kPart>;
   static constexpr std::size_t kAxes = 3;
   static constexpr auto kRates =
       std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
@@ -53,7 +54,8 @@ struct Chip {
   static constexpr bool kHasFifo = true;
   static constexpr bool kHasThermometer = true;
   static constexpr std::array kAddresses{kAddressAd0Low, kAddressAd0High};
-  static constexpr auto kIdentity = kWhoAmI;
+  static constexpr Register<kWhoAmI.address, Access::read_only, static_cast<std::uint8_t>(kPart)>
+      kIdentity{};
   static constexpr std::uint8_t kSpiMode = 3;
   static constexpr std::uint32_t kHighestSpi_hz = 24'000'000;
 
@@ -62,7 +64,19 @@ struct Chip {
         .full_scale = full_scale, .rate = rate, .mode = is_fifo ? Mode::fifo : Mode::data_ready};
   }
 };
+
+struct Chip : ChipOf<Part::icm42688> {
+  static constexpr std::string_view kName = "icm42688";
+};
+struct Icm42605 : ChipOf<Part::icm42605> {
+  static constexpr std::string_view kName = "icm42605";
+};
+struct Iim42652 : ChipOf<Part::iim42652> {
+  static constexpr std::string_view kName = "iim42652";
+};
 static_assert(RegisterChipEntry<Chip>);
 static_assert(AccelerometerChipEntry<Chip>);
+
+using Chips = core::TypeList<Chip, Icm42605, Iim42652>;
 
 }  // namespace zerorate::drivers::icm42688

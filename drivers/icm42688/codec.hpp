@@ -1,6 +1,6 @@
 /// @file
-/// Meaning of the ICM-42688-P's bits, as pure functions. Source: TDK DS-000347; README.md gives
-/// the source of each fact.
+/// Meaning of the bits of the ICM-42688-P and its relatives, as pure functions. Source: TDK
+/// DS-000347; README.md gives the source of each fact.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,9 @@
 #include "drivers/icm42688/registers.hpp"
 
 namespace zerorate::drivers::icm42688 {
+
+/// Part of the family; the values are the answers of WHO_AM_I, in which alone they differ here.
+enum class Part : std::uint8_t { icm42605 = 0x42, icm42688 = 0x47, iim42652 = 0x6F };
 
 /// Full scale; the values are the code of GYRO_FS_SEL.
 enum class FullScale : std::uint8_t {

@@ -1,6 +1,6 @@
 /// @file
-/// Driver of the gyro, and on demand of the accelerometer, in TDK's ICM-42688-P, over SPI or I2C,
-/// polled by data-ready or through the FIFO.
+/// Driver of the gyro, and on demand of the accelerometer, in TDK's ICM-42688-P and its relatives,
+/// over SPI or I2C, polled by data-ready or through the FIFO.
 #pragma once
 
 #include <algorithm>
@@ -31,13 +31,32 @@ enum class Mode : std::uint8_t {
   fifo,        ///< the chip keeps up to 256 samples; INT1 pulses from the watermark on
 };
 
-/// Chosen once, for the life of the driver.
-struct Settings {
+/// Chosen once, for the life of the driver; a type for each part.
+template <Part kPart>
+struct SettingsOf {
   FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 7.6 mdps at 250 deg/s
   OutputDataRate rate = OutputDataRate::hz_100;
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1; larger: fewer, longer bursts
 };
+using Settings = SettingsOf<Part::icm42688>;
+
+/// Settings of any part.
+struct Chosen {
+  FullScale full_scale = FullScale::dps_250;
+  OutputDataRate rate = OutputDataRate::hz_100;
+  Mode mode = Mode::data_ready;
+  std::uint8_t fifo_watermark = 0;
+  Part part = Part::icm42688;
+};
+template <Part kPart>
+[[nodiscard]] constexpr Chosen chosen(const SettingsOf<kPart>& settings) {
+  return {.full_scale = settings.full_scale,
+          .rate = settings.rate,
+          .mode = settings.mode,
+          .fifo_watermark = settings.fifo_watermark,
+          .part = kPart};
+}
 
 }  // namespace icm42688
 
@@ -50,17 +69,25 @@ struct Settings {
 ///         is at most 128 samples.
 template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Icm42688 {
+  using Chosen = icm42688::Chosen;
+
  public:
   static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
 
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Icm42688(Bus bus, icm42688::Settings settings = {})
-      : Icm42688(settings, icm42688::AccelerationRange::g_4, bus) {}
-  constexpr Icm42688(Bus bus, icm42688::Settings settings,
+      : Icm42688(icm42688::chosen(settings), icm42688::AccelerationRange::g_4, bus) {}
+  /// A relative, by the type of its settings. One class drives them all: an image with two of them
+  /// has its code once.
+  template <icm42688::Part kPart>
+  constexpr Icm42688(Bus bus, const icm42688::SettingsOf<kPart>& settings)
+      : Icm42688(icm42688::chosen(settings), icm42688::AccelerationRange::g_4, bus) {}
+  template <icm42688::Part kPart>
+  constexpr Icm42688(Bus bus, const icm42688::SettingsOf<kPart>& settings,
                      icm42688::AccelerationRange range) requires(kAccelerometer ==
                                                                  Accelerometer::on)
-      : Icm42688(settings, range, bus) {}
+      : Icm42688(icm42688::chosen(settings), range, bus) {}
 
   /// First call: identity, then software reset, then always not_ready. Later calls: not_ready until
   /// 1 ms has passed, then identity, configuration (39 transactions) and success. When it runs, or
@@ -105,7 +132,7 @@ class Icm42688 {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == icm42688::Mode::fifo; }
 
  private:
-  constexpr Icm42688(const icm42688::Settings& settings, icm42688::AccelerationRange range, Bus bus)
+  constexpr Icm42688(const Chosen& settings, icm42688::AccelerationRange range, Bus bus)
       : bus_(bus),
         settings_(settings),
         lsb_(icm42688::lsb(settings.full_scale)),
@@ -129,7 +156,7 @@ class Icm42688 {
     }
   }
 
-  static constexpr ConfigurationTable<kEntries> configuration(const icm42688::Settings& settings,
+  static constexpr ConfigurationTable<kEntries> configuration(const Chosen& settings,
                                                               icm42688::AccelerationRange range) {
     if constexpr (kHasAccelerometer) {
       const auto accelerometer =
@@ -141,8 +168,7 @@ class Icm42688 {
     }
   }
 
-  static constexpr std::array<ConfigurationEntry, kGyroEntries> entries(
-      const icm42688::Settings& settings) {
+  static constexpr std::array<ConfigurationEntry, kGyroEntries> entries(const Chosen& settings) {
     using namespace icm42688;
     namespace b = icm42688::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
@@ -194,7 +220,7 @@ class Icm42688 {
       if (const auto done = write_register(bus_, icm42688::kRegBankSel, 0); !done) return done;
       return refused(DriverErrorCode::not_ready, icm42688::kRegBankSel.address);
     }
-    if (identity_and_bank[0] != icm42688::kWhoAmI.reset) {
+    if (identity_and_bank[0] != static_cast<std::uint8_t>(settings_.part)) {
       return refused(DriverErrorCode::wrong_identity, icm42688::kWhoAmI.address);
     }
     return {};
@@ -347,7 +373,7 @@ class Icm42688 {
   }
 
   Bus bus_;
-  icm42688::Settings settings_;
+  Chosen settings_;
   core::AngularRate lsb_;
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/compile_time.hpp"
 #include "drivers/common/acceleration.hpp"
 #include "drivers/common/chip.hpp"
 #include "drivers/lsm6dso/codec.hpp"
@@ -73,7 +74,7 @@ struct ChipOf {
   static constexpr double kUsualAccelerationRange_g = 4.0;
   static constexpr double kCounts = 1000.0 / 0.035;
   static constexpr bool kHasDataReady = true;
-  static constexpr bool kHasFifo = true;
+  static constexpr bool kHasFifo = variant(kPart).has_tags;
   static constexpr bool kHasThermometer = true;
   static constexpr std::array kAddresses{kAddressSa0Low, kAddressSa0High};
   static constexpr Register<kWhoAmI.address, Access::read_only, variant(kPart).identity>
@@ -99,10 +100,23 @@ struct Asm330lhh : ChipOf<Part::asm330lhh> {
 struct Lsm6dsv16x : ChipOf<Part::lsm6dsv16x> {
   static constexpr std::string_view kName = "lsm6dsv16x";
 };
+struct Lsm6dsr : ChipOf<Part::lsm6dsr> {
+  static constexpr std::string_view kName = "lsm6dsr";
+};
+struct Lsm6dsox : ChipOf<Part::lsm6dsox> {
+  static constexpr std::string_view kName = "lsm6dsox";
+};
+struct Lsm6dsl : ChipOf<Part::lsm6dsl> {
+  static constexpr std::string_view kName = "lsm6dsl";
+};
+struct Lsm6ds3trC : ChipOf<Part::lsm6ds3tr_c> {
+  static constexpr std::string_view kName = "lsm6ds3tr-c";
+};
 static_assert(RegisterChipEntry<Chip>);
-static_assert(RegisterChipEntry<Ism330dhcx>);
-static_assert(RegisterChipEntry<Asm330lhh>);
 static_assert(RegisterChipEntry<Lsm6dsv16x>);
 static_assert(AccelerometerChipEntry<Chip>);
+
+using Chips =
+    core::TypeList<Chip, Ism330dhcx, Asm330lhh, Lsm6dsv16x, Lsm6dsr, Lsm6dsox, Lsm6dsl, Lsm6ds3trC>;
 
 }  // namespace zerorate::drivers::lsm6dso

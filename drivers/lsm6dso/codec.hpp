@@ -15,13 +15,24 @@
 namespace zerorate::drivers::lsm6dso {
 
 /// Part of the family, by the name in its data sheet.
-enum class Part : std::uint8_t { lsm6dso, ism330dhcx, asm330lhh, lsm6dsv16x };
+enum class Part : std::uint8_t {
+  lsm6dso,
+  ism330dhcx,
+  asm330lhh,
+  lsm6dsv16x,
+  lsm6dsr,
+  lsm6dsox,
+  lsm6dsl,
+  lsm6ds3tr_c,
+};
 
-/// Figures in which the chips differ. Addresses and fields of outputs, status, identity and FIFO
-/// data are the same in all of them.
+/// Figures in which the chips differ. Addresses and fields of outputs, status and identity are the
+/// same in all of them, those of the FIFO's data in all that have tags.
 struct Variant {
-  std::uint8_t identity;  ///< answer of WHO_AM_I; two chips share one
+  std::uint8_t identity;  ///< answer of WHO_AM_I; up to three chips share one
   bool has_4000_dps;
+  bool has_tags;        ///< FIFO of tagged words; the FIFO without tags is not used
+  bool has_i3c;         ///< I3C_disable, or in its place device_conf
   bool has_new_layout;  ///< range in CTRL6, FIFO_STATUS1 at 1Bh, trim at 4Fh
   bool has_tag_parity;
   std::uint8_t status_always_zero;  ///< bits of STATUS_REG
@@ -29,12 +40,14 @@ struct Variant {
   std::uint8_t level_always_zero;   ///< bits of FIFO_STATUS2
   std::uint8_t fastest_code;        ///< code of the fastest output data rate
   std::uint16_t fastest_hz;         ///< each code below it halves the rate
-  std::uint8_t trim_step;           ///< step of the oscillator [0.01 %]
+  std::uint8_t trim_step;           ///< step of the oscillator [0.01 %]; 0: no trim register
 };
 
 /// Variants in the order of Part.
 inline constexpr Variant kLsm6dso{.identity = 0x6C,
                                   .has_4000_dps = false,
+                                  .has_tags = true,
+                                  .has_i3c = true,
                                   .has_new_layout = false,
                                   .has_tag_parity = true,
                                   .status_always_zero = 0xF8,
@@ -49,9 +62,21 @@ inline constexpr Variant kIsm330dhcx = [] {
   relative.has_4000_dps = true;
   return relative;
 }();
-inline constexpr std::array kVariants{kLsm6dso, kIsm330dhcx, kIsm330dhcx,
+inline constexpr Variant kLsm6dsl = [] {
+  Variant relative = kLsm6dso;
+  relative.identity = 0x6A;
+  relative.has_tags = false;
+  relative.has_i3c = false;
+  relative.trim_step = 0;
+  return relative;
+}();
+inline constexpr std::array kVariants{kLsm6dso,
+                                      kIsm330dhcx,
+                                      kIsm330dhcx,
                                       Variant{.identity = 0x70,
                                               .has_4000_dps = true,
+                                              .has_tags = true,
+                                              .has_i3c = false,
                                               .has_new_layout = true,
                                               .has_tag_parity = false,
                                               .status_always_zero = 0x40,
@@ -59,7 +84,11 @@ inline constexpr std::array kVariants{kLsm6dso, kIsm330dhcx, kIsm330dhcx,
                                               .level_always_zero = 0x06,
                                               .fastest_code = 12,
                                               .fastest_hz = 7680,
-                                              .trim_step = 13}};
+                                              .trim_step = 13},
+                                      kIsm330dhcx,
+                                      kLsm6dso,
+                                      kLsm6dsl,
+                                      kLsm6dsl};
 [[nodiscard]] constexpr const Variant& variant(Part part) {
   return kVariants[static_cast<std::size_t>(part)];
 }
@@ -72,7 +101,7 @@ enum class FullScale : std::uint8_t {
   dps_500 = 0x04,
   dps_1000 = 0x08,
   dps_2000 = 0x0C,
-  dps_4000 = 0x01,  ///< not of the LSM6DSO
+  dps_4000 = 0x01,  ///< not of every chip
 };
 
 /// Output data rate of all but the LSM6DSV16X by its nominal name; the values are the code of ODR_G

@@ -41,13 +41,18 @@ constexpr std::array<ConfigurationEntry, kGyroEntries> configuration_of_gyro(
   namespace b = bits;
   const bool is_fifo = settings.mode == Mode::fifo;
   const bool is_new = settings.variant->has_new_layout;
-  const auto batch = static_cast<std::uint8_t>(unsigned{settings.rate} << 4U);
+  // In the chips without tags the same addresses are the FIFO's, which stays off with zeros.
+  const bool has_tags = settings.variant->has_tags;
+  const auto batch = static_cast<std::uint8_t>(has_tags ? unsigned{settings.rate} << 4U : 0U);
+  const std::uint8_t watermark = has_tags ? settings.fifo_watermark : std::uint8_t{0};
+  // The whole register: its ones and zeros show a line that is stuck either way.
+  const auto interface = configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc);
+  const auto i3c = configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable);
   const std::uint8_t fifo_mode = is_fifo ? b::kFifoModeContinuous : std::uint8_t{0};
   return {{
-      // The whole register: its ones and zeros show a line that is stuck either way.
-      configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc),
+      interface,
       is_new ? configure(kDsvCtrl6, b::kDsvCtrl6All, encode_ctrl6(settings.full_scale))
-             : configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable),
+             : (settings.variant->has_i3c ? i3c : interface),
       is_new ? configure(kDsvCtrl4, b::kDsvCtrl4Drdy, 0)
              : configure(kCtrl4C, b::kCtrl4CSleepG | b::kCtrl4CLpf1SelG, 0),
       // High-performance mode, and no high-pass filter: it would remove the bias we estimate.
@@ -56,7 +61,7 @@ constexpr std::array<ConfigurationEntry, kGyroEntries> configuration_of_gyro(
       is_new ? configure(kDsvCtrl1, b::kDsvCtrl1OdrXl, 0)
              : configure(kCtrl1Xl, b::kCtrl1XlOdrXl, 0),
       configure(kInt1Ctrl, 0xFF, is_fifo ? b::kInt1FifoTh : b::kInt1DrdyG),
-      configure(kFifoCtrl1, 0xFF, settings.fifo_watermark),
+      configure(kFifoCtrl1, 0xFF, watermark),
       configure(kFifoCtrl2, kFifoCtrl2Used, 0),
       configure(kFifoCtrl3, b::kFifoCtrl3BdrGy | b::kFifoCtrl3BdrXl, batch),
       configure(kFifoCtrl4,
@@ -74,7 +79,8 @@ constexpr std::array<ConfigurationEntry, kGyroEntries + kAccelerometerEntries>
 configuration_with_accelerometer(const Chosen& settings, AccelerationRange range) {
   namespace b = bits;
   const bool is_new = settings.variant->has_new_layout;
-  const unsigned watermark = 2U * settings.fifo_watermark;
+  const bool has_tags = settings.variant->has_tags;
+  const unsigned watermark = has_tags ? 2U * settings.fifo_watermark : 0U;
   ZERORATE_ASSERT(watermark <= (is_new ? 0xFFU : 0x1FFU));
   auto gyro = configuration_of_gyro(settings);
   const auto replace = [&](const ConfigurationEntry& entry) {
@@ -86,7 +92,7 @@ configuration_with_accelerometer(const Chosen& settings, AccelerationRange range
   replace(configure(kFifoCtrl2, kFifoCtrl2Used,
                     watermark > 0xFF ? b::kFifoCtrl2Wtm8 : std::uint8_t{0}));
   replace(configure(kFifoCtrl3, b::kFifoCtrl3BdrGy | b::kFifoCtrl3BdrXl,
-                    static_cast<std::uint8_t>(settings.rate * 0x11U)));
+                    static_cast<std::uint8_t>(has_tags ? settings.rate * 0x11U : 0U)));
   return joined(gyro, std::array{is_new ? configure(kDsvCtrl8, b::kDsvCtrl8All,
                                                     static_cast<std::uint8_t>(range))
                                         : configure(kCtrl6C, b::kCtrl6CXlHmMode, 0),

@@ -1,6 +1,6 @@
 /// @file
-/// Driver of the gyro, and on demand of the accelerometer, in ST's LSM6DSO, ISM330DHCX, ASM330LHH
-/// and LSM6DSV16X, over SPI or I2C, polled by data-ready or through the FIFO.
+/// Driver of the gyro, and on demand of the accelerometer, in ST's LSM6DSO and its relatives, over
+/// SPI or I2C, polled by data-ready or through the FIFO.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 #include <span>
 #include <type_traits>
 
+#include "core/base/assert.hpp"
 #include "core/base/result.hpp"
 #include "core/base/time.hpp"
 #include "drivers/common/acceleration.hpp"
@@ -118,6 +119,7 @@ class Lsm6dso {
  private:
   template <lsm6dso::Part kPart>
   static constexpr Chosen chosen(const lsm6dso::SettingsOf<kPart>& settings) {
+    ZERORATE_ASSERT(lsm6dso::variant(kPart).has_tags || settings.mode == lsm6dso::Mode::data_ready);
     return {.variant = &lsm6dso::variant(kPart),
             .full_scale = settings.full_scale,
             .rate = static_cast<std::uint8_t>(settings.rate),
@@ -191,8 +193,7 @@ class Lsm6dso {
     }
     if (const auto done = configuration_.apply(bus_); !done) return done;
     const lsm6dso::Variant& variant = *settings_.variant;
-    const auto trim = variant.has_new_layout ? read_register(bus_, lsm6dso::kDsvInternalFreq)
-                                             : read_register(bus_, lsm6dso::kInternalFreqFine);
+    const auto trim = read_trim();
     if (!trim) return core::Unexpected{trim.error()};
     period_ = lsm6dso::decode_period(variant, settings_.rate, static_cast<std::int8_t>(*trim));
     settled_at_ = now + lsm6dso::settling_time(variant, settings_.rate, period_);
@@ -200,6 +201,13 @@ class Lsm6dso {
     forget_words();
     stage_ = Stage::running;
     return {};
+  }
+
+  core::Result<std::uint8_t, DriverError> read_trim() {
+    const lsm6dso::Variant& variant = *settings_.variant;
+    if (variant.trim_step == 0) return std::uint8_t{0};
+    return variant.has_new_layout ? read_register(bus_, lsm6dso::kDsvInternalFreq)
+                                  : read_register(bus_, lsm6dso::kInternalFreqFine);
   }
 
   core::Result<std::size_t, DriverError> read_latest(core::Instant now, GyroSample& out) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/compile_time.hpp"
 #include "drivers/common/acceleration.hpp"
 #include "drivers/common/chip.hpp"
 #include "drivers/mpu6500/codec.hpp"
@@ -15,14 +16,14 @@
 
 namespace zerorate::drivers::mpu6500 {
 
-/// See drivers::ChipEntry.
-struct Chip {
-  static constexpr std::string_view kName = "mpu6500";
+/// See drivers::ChipEntry. What all of them have in common.
+template <Part kPart>
+struct ChipOf {
   template <RegisterBus Bus>
   using Driver = Mpu6500<Bus>;
   template <RegisterBus Bus>
   using DriverWithAcceleration = Mpu6500<Bus, Accelerometer::on>;
-  using Settings = mpu6500::Settings;
+  using Settings = SettingsOf<kPart>;
   static constexpr std::size_t kAxes = 3;
   static constexpr auto kRates =
       std::to_array<Choice<OutputDataRate>>({{12.5, OutputDataRate::hz_12_5},
@@ -50,17 +51,34 @@ struct Chip {
   static constexpr bool kHasFifo = true;
   static constexpr bool kHasThermometer = true;
   static constexpr std::array kAddresses{kAddressAd0Low, kAddressAd0High};
-  static constexpr auto kIdentity = kWhoAmI;
+  static constexpr Register<kWhoAmI.address, Access::read_only, static_cast<std::uint8_t>(kPart)>
+      kIdentity{};
   static constexpr std::uint8_t kSpiMode = 3;
-  static constexpr std::uint32_t kHighestSpi_hz = 1'000'000;
+  static constexpr std::uint32_t kHighestSpi_hz =
+      variant_of(kPart).is_younger ? 10'000'000 : (kPart == Part::icm20689 ? 8'000'000 : 1'000'000);
 
-  static constexpr bool is_identity(std::uint8_t answer) { return find_variant(answer) != nullptr; }
+  static constexpr bool is_identity(std::uint8_t answer) { return takes(kPart, answer); }
   static constexpr Settings settings(OutputDataRate rate, FullScale full_scale, bool is_fifo) {
     return {
         .full_scale = full_scale, .rate = rate, .mode = is_fifo ? Mode::fifo : Mode::data_ready};
   }
 };
+
+struct Chip : ChipOf<Part::mpu6500> {
+  static constexpr std::string_view kName = "mpu6500";
+};
+struct Icm20602 : ChipOf<Part::icm20602> {
+  static constexpr std::string_view kName = "icm20602";
+};
+struct Mpu6886 : ChipOf<Part::mpu6886> {
+  static constexpr std::string_view kName = "mpu6886";
+};
+struct Icm20689 : ChipOf<Part::icm20689> {
+  static constexpr std::string_view kName = "icm20689";
+};
 static_assert(RegisterChipEntry<Chip>);
 static_assert(AccelerometerChipEntry<Chip>);
+
+using Chips = core::TypeList<Chip, Icm20602, Mpu6886, Icm20689>;
 
 }  // namespace zerorate::drivers::mpu6500

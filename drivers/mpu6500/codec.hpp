@@ -12,6 +12,15 @@
 
 namespace zerorate::drivers::mpu6500 {
 
+/// Chip that the driver is for; the values are the answers of WHO_AM_I. As an MPU-6500 it takes
+/// whatever is sold as such.
+enum class Part : std::uint8_t {
+  mpu6500 = 0x70,
+  icm20602 = 0x12,
+  mpu6886 = 0x19,
+  icm20689 = 0x98,
+};
+
 /// Use of SIGNAL_PATH_RESET at the start. An MPU-6000 needs it and answers as an MPU-6050, which
 /// does not need it and is on I2C alone.
 enum class PathReset : std::uint8_t { never, on_spi, always };
@@ -23,21 +32,28 @@ struct Variant {
   float counts_per_degree;    ///< slope of the thermometer; 0: not known
   float degc_at_zero_counts;  ///< its temperature at 0 counts
   PathReset path_reset;
-  bool has_accel_config_2;  ///< filter of the accelerometer in a register of its own
+  bool has_accel_config_2;   ///< filter of the accelerometer in a register of its own
+  std::uint8_t start_up_ms;  ///< until the gyro's output may be used
+  /// ICM-20602 and its like: the gyro goes into the FIFO with the temperature alone, and the switch
+  /// of the I2C interface stands in I2C_IF.
+  bool is_younger;
 };
 
 /// Chips that are accepted; README.md gives the reasons.
 inline constexpr std::array kVariants{
     // MPU-6050, MPU-6000, MPU-9150
-    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi, false},
+    Variant{0x68, 1024, 340.0F, 36.53F, PathReset::on_spi, false, 70, false},
     // MPU-6500, also where MPU-6050 is written on it
-    Variant{0x70, 512, 333.87F, 21.0F, PathReset::always, true},
-    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-9250
-    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never, false},      // no chip of InvenSense's: a copy
-    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-9255
-    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always, true},  // MPU-6515
+    Variant{0x70, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},
+    Variant{0x71, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},  // MPU-9250
+    Variant{0x72, 512, 0.0F, 0.0F, PathReset::never, false, 70,
+            false},  // no chip of InvenSense's: a copy
+    Variant{0x73, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},  // MPU-9255
+    Variant{0x74, 512, 333.87F, 21.0F, PathReset::always, true, 70, false},  // MPU-6515
     // ICM-20689, also where MPU-6050 is written on it
-    Variant{0x98, 512, 326.8F, 25.0F, PathReset::never, true},
+    Variant{0x98, 512, 326.8F, 25.0F, PathReset::never, true, 70, false},
+    Variant{0x12, 1008, 326.8F, 25.0F, PathReset::never, true, 100, true},  // ICM-20602
+    Variant{0x19, 1008, 326.8F, 25.0F, PathReset::never, true, 100, true},  // MPU-6886
 };
 
 /// nullptr for a chip that is not accepted.
@@ -46,6 +62,24 @@ inline constexpr std::array kVariants{
     if (variant.identity == identity) return &variant;
   }
   return nullptr;
+}
+
+/// Variant of a part by its own answer.
+[[nodiscard]] constexpr const Variant& variant_of(Part part) {
+  return *find_variant(static_cast<std::uint8_t>(part));
+}
+
+/// True if the driver of this part takes a chip with this answer.
+[[nodiscard]] constexpr bool takes(Part part, std::uint8_t identity) {
+  if (part != Part::mpu6500) return identity == static_cast<std::uint8_t>(part);
+  const Variant* const variant = find_variant(identity);
+  return variant != nullptr && !variant->is_younger;
+}
+
+/// Bytes of a sample in the FIFO.
+/// @param plain_bytes  without a temperature
+[[nodiscard]] constexpr unsigned sample_bytes(const Variant& variant, unsigned plain_bytes) {
+  return plain_bytes + (variant.is_younger ? kTemperatureBytes : 0U);
 }
 
 /// Full scale; the values are the bits GYRO_FS_SEL in place.
@@ -131,23 +165,36 @@ struct FifoLevel {
 };
 
 /// FIFO_COUNTH and FIFO_COUNTL. A sample is six or twelve bytes, which no FIFO is a multiple of: a
-/// full one shows in bytes that are left over. Room for three samples is kept free, as Linux does
-/// it: they may come while the FIFO is read.
-template <unsigned kSampleBytes = kFifoSampleBytes>
+/// full one shows in bytes that are left over. With the temperature it is eight or fourteen, and
+/// the temperature is its mark. Room for three samples is kept free, as Linux does it: they may
+/// come while the FIFO is read.
+/// @param plain_bytes  of a sample, without a temperature
 [[nodiscard]] constexpr FifoLevel decode_fifo_level(const Variant& variant, std::uint8_t high,
-                                                    std::uint8_t low) {
+                                                    std::uint8_t low,
+                                                    unsigned plain_bytes = kFifoSampleBytes) {
   const auto bytes = static_cast<unsigned>((high << 8U) | low);
-  return {static_cast<std::uint16_t>(bytes / kSampleBytes), bytes % kSampleBytes == 0,
-          bytes + 3 * kSampleBytes > variant.fifo_bytes, bytes <= variant.fifo_bytes};
+  const unsigned size = sample_bytes(variant, plain_bytes);
+  return {static_cast<std::uint16_t>(bytes / size), bytes % size == 0,
+          bytes + 3 * size > variant.fifo_bytes, bytes <= variant.fifo_bytes};
+}
+
+/// True if the temperature in a sample of the FIFO is within 5 degC of the register's: it shows
+/// where a sample begins. A FIFO holds some ten seconds at most.
+[[nodiscard]] constexpr bool is_marked(std::int16_t in_fifo, std::int16_t in_register) {
+  constexpr int kNear = 5 * 327;
+  const int apart = in_fifo - in_register;
+  return apart < kNear && apart > -kNear;
 }
 
 /// Time until the chip may be used after a reset of the whole, and of its signal paths, each.
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(100);
 
-/// Time after configuration until the output may be used: twice the start-up time of 35 ms, and
-/// three samples for the filter and for samples that are not aligned with our clock.
-[[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
-  return core::Duration::milliseconds(70) + period * 3;
+/// Time after configuration until the output may be used: twice the start-up time of 35 ms (with
+/// the ICM-20602 100 ms, as Linux waits), and three samples for the filter and for samples that are
+/// not aligned with our clock.
+[[nodiscard]] constexpr core::Duration settling_time(const Variant& variant,
+                                                     core::Duration period) {
+  return core::Duration::milliseconds(variant.start_up_ms) + period * 3;
 }
 
 }  // namespace zerorate::drivers::mpu6500

@@ -18,27 +18,13 @@
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
 #include "drivers/mpu6500/codec.hpp"
+#include "drivers/mpu6500/configuration.hpp"
 #include "drivers/mpu6500/registers.hpp"
 
 namespace zerorate::drivers {
 
-namespace mpu6500 {
-
-enum class Mode : std::uint8_t {
-  data_ready,  ///< each read() gives the latest sample; INT pulses when there is a new one
-  fifo,        ///< the chip keeps 82 samples and more; INT pulses when it had to drop some
-};
-
-/// Chosen once, for the life of the driver.
-struct Settings {
-  FullScale full_scale = FullScale::dps_250;  ///< larger: coarser LSB, 7.6 mdps at 250 deg/s
-  OutputDataRate rate = OutputDataRate::hz_100;
-  Mode mode = Mode::data_ready;
-};
-
-}  // namespace mpu6500
-
-/// A GyroSource. Bus is SpiRegisters<...> or I2cRegisters<...>. SPI mode 0 or 3, up to 1 MHz.
+/// A GyroSource. Bus is SpiRegisters<...> or I2cRegisters<...>. SPI mode 0 or 3, up to 1 MHz or
+/// the chip's own limit (README).
 ///
 /// Not thread-safe, not for interrupts. Cortex-M0+: about 0.5 KiB of stack in read(), without the
 /// back end's.
@@ -46,20 +32,28 @@ struct Settings {
 ///         rate. A sample of the FIFO takes twelve bytes then, not six: half as many fit.
 template <RegisterBus Bus, Accelerometer kAccelerometer = Accelerometer::off>
 class Mpu6500 {
+  using Chosen = mpu6500::Chosen;
+
  public:
   static constexpr bool kHasAccelerometer = kAccelerometer == Accelerometer::on;
 
   static constexpr std::size_t kAxes = 3;
 
   constexpr explicit Mpu6500(Bus bus, mpu6500::Settings settings = {})
-      : Mpu6500(settings, mpu6500::AccelerationRange::g_4, bus) {}
-  constexpr Mpu6500(Bus bus, mpu6500::Settings settings,
+      : Mpu6500(mpu6500::chosen(settings), mpu6500::AccelerationRange::g_4, bus) {}
+  /// A relative, by the type of its settings. One class drives them all: an image with two of them
+  /// has its code once.
+  template <mpu6500::Part kPart>
+  constexpr Mpu6500(Bus bus, const mpu6500::SettingsOf<kPart>& settings)
+      : Mpu6500(mpu6500::chosen(settings), mpu6500::AccelerationRange::g_4, bus) {}
+  template <mpu6500::Part kPart>
+  constexpr Mpu6500(Bus bus, const mpu6500::SettingsOf<kPart>& settings,
                     mpu6500::AccelerationRange range) requires(kAccelerometer == Accelerometer::on)
-      : Mpu6500(settings, range, bus) {}
+      : Mpu6500(mpu6500::chosen(settings), range, bus) {}
 
   /// First call: identity, then reset, then always not_ready. Later calls: not_ready until 100 ms
   /// have passed; then identity, waking up, and where the chip needs it a reset of the signal
-  /// paths, for which another 100 ms pass; then identity, configuration (27 transactions) and
+  /// paths, for which another 100 ms pass; then identity, configuration (30 transactions) and
   /// success. When it runs, or after any other error, a call begins anew. The identity must be the
   /// same each time.
   core::Result<void, DriverError> start(core::Instant now) {
@@ -103,19 +97,18 @@ class Mpu6500 {
   [[nodiscard]] constexpr bool is_batched() const { return settings_.mode == mpu6500::Mode::fifo; }
 
  private:
-  constexpr Mpu6500(const mpu6500::Settings& settings, mpu6500::AccelerationRange range, Bus bus)
+  constexpr Mpu6500(const Chosen& settings, mpu6500::AccelerationRange range, Bus bus)
       : bus_(bus),
         settings_(settings),
         lsb_(mpu6500::lsb(settings.full_scale)),
-        configuration_(configuration(settings, range, false)),
+        variant_(&mpu6500::variant_of(settings.part)),
+        configuration_(configuration(settings, range, *variant_)),
         accelerometer_(accelerometer(range)) {}
 
   enum class Stage : std::uint8_t { off, resetting, clearing, running };
-  static constexpr std::size_t kGyroEntries = 9;
-  static constexpr std::size_t kEntries = kGyroEntries + (kHasAccelerometer ? 2 : 0);
+  static constexpr std::size_t kEntries = mpu6500::kGyroEntries + (kHasAccelerometer ? 2 : 0);
   static constexpr std::size_t kSampleBytes =
       kHasAccelerometer ? mpu6500::kLongSampleBytes : mpu6500::kFifoSampleBytes;
-  using SampleBytes = std::span<const std::uint8_t, kSampleBytes>;
   using AxesBytes = std::span<const std::uint8_t, 6>;
 
   struct ChosenAccelerometer {
@@ -131,15 +124,12 @@ class Mpu6500 {
     }
   }
 
-  /// Bit of USER_CTRL. Without it the chip would react to I2C patterns on the wires of SPI; over
-  /// I2C it would switch the chip's bus off until its power is cut.
-  static constexpr std::uint8_t kInterface =
-      kIsSpi<Bus> ? mpu6500::bits::kUserCtrlI2cIfDis : std::uint8_t{0};
-
-  /// @param has_accel_config_2  where the chip has no such register, the entry before stands twice
-  static constexpr ConfigurationTable<kEntries> configuration(const mpu6500::Settings& settings,
+  /// Where the chip does not have a register, the entry before it stands twice.
+  static constexpr ConfigurationTable<kEntries> configuration(const Chosen& settings,
                                                               mpu6500::AccelerationRange range,
-                                                              bool has_accel_config_2) {
+                                                              const mpu6500::Variant& variant) {
+    const auto gyro =
+        mpu6500::configuration_of_gyro(settings, variant, kIsSpi<Bus>, kHasAccelerometer);
     if constexpr (kHasAccelerometer) {
       using namespace mpu6500;
       const auto scale =
@@ -147,33 +137,10 @@ class Mpu6500 {
       const auto filter =
           configure(kAccelConfig2, bits::kAccelConfig2Filter, low_pass(settings.rate));
       return ConfigurationTable<kEntries>{
-          joined(entries(settings), std::array{scale, has_accel_config_2 ? filter : scale})};
+          joined(gyro, std::array{scale, variant.has_accel_config_2 ? filter : scale})};
     } else {
-      return ConfigurationTable<kEntries>{entries(settings)};
+      return ConfigurationTable<kEntries>{gyro};
     }
-  }
-
-  static constexpr std::array<ConfigurationEntry, kGyroEntries> entries(
-      const mpu6500::Settings& settings) {
-    using namespace mpu6500;
-    namespace b = mpu6500::bits;
-    const bool is_fifo = settings.mode == Mode::fifo;
-    const unsigned fifo_en = is_fifo ? b::kUserCtrlFifoEn : 0U;
-    constexpr std::uint8_t kStandby = kHasAccelerometer ? std::uint8_t{0} : b::kPwrMgmt2AccelOff;
-    constexpr std::uint8_t kContent = b::kFifoEnGyro | (kHasAccelerometer ? b::kFifoEnAccel : 0U);
-    return {{
-        // Awake: asleep, it may not take the others. Ones and zeros show a line that is stuck
-        // either way.
-        configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1Pll),
-        configure(kPwrMgmt2, b::kPwrMgmt2Standby, kStandby),
-        configure(kConfig, b::kConfigAll, low_pass(settings.rate)),
-        configure(kSmplrtDiv, 0xFF, static_cast<std::uint8_t>(settings.rate)),
-        configure(kGyroConfig, b::kGyroConfigAll, static_cast<std::uint8_t>(settings.full_scale)),
-        configure(kIntPinCfg, b::kIntPinCfgAll, 0),
-        configure(kIntEnable, b::kIntEnableAll, is_fifo ? b::kIntFifoOflow : b::kIntDataRdy),
-        configure(kFifoEn, 0xFF, is_fifo ? kContent : std::uint8_t{0}),
-        configure(kUserCtrl, b::kUserCtrlAll, static_cast<std::uint8_t>(fifo_en | kInterface)),
-    }};
   }
 
   /// @param is_same whether it must equal that of the last time
@@ -181,7 +148,8 @@ class Mpu6500 {
     const auto identity = read_register(bus_, mpu6500::kWhoAmI);
     if (!identity) return core::Unexpected{identity.error()};
     const mpu6500::Variant* const variant = mpu6500::find_variant(*identity);
-    if (variant == nullptr || (is_same && variant != variant_)) {
+    const bool is_taken = variant != nullptr && mpu6500::takes(settings_.part, *identity);
+    if (!is_taken || (is_same && variant != variant_)) {
       return refused(DriverErrorCode::wrong_identity, mpu6500::kWhoAmI.address);
     }
     variant_ = variant;
@@ -216,10 +184,10 @@ class Mpu6500 {
 
   core::Result<void, DriverError> finish_start(core::Instant now) {
     if constexpr (kHasAccelerometer) {
-      configuration_ = configuration(settings_, accelerometer_.range, variant_->has_accel_config_2);
+      configuration_ = configuration(settings_, accelerometer_.range, *variant_);
     }
     if (const auto done = configuration_.apply(bus_); !done) return done;
-    settled_at_ = now + mpu6500::settling_time(sample_period());
+    settled_at_ = now + mpu6500::settling_time(*variant_, sample_period());
     sample_clock_.restart(now, sample_period());
     blank_frames_.restart();
     is_shifted_ = false;
@@ -283,7 +251,7 @@ class Mpu6500 {
       if (const auto done = read_registers(bus_, mpu6500::kFifoCountH, bytes); !done) {
         return core::Unexpected{done.error()};
       }
-      level = mpu6500::decode_fifo_level<kSampleBytes>(*variant_, bytes[0], bytes[1]);
+      level = mpu6500::decode_fifo_level(*variant_, bytes[0], bytes[1], kSampleBytes);
     }
     if (!level.is_plausible) {
       return refused(DriverErrorCode::corrupt_data, mpu6500::kFifoCountH.address);
@@ -302,11 +270,12 @@ class Mpu6500 {
   /// Two transactions: it can be emptied only while it is off.
   core::Result<void, DriverError> clear_fifo() {
     namespace b = mpu6500::bits;
-    constexpr std::uint8_t kEmpty = b::kUserCtrlFifoReset | kInterface;
-    constexpr std::uint8_t kOn = b::kUserCtrlFifoEn | kInterface;
+    const std::uint8_t rest = mpu6500::interface(*variant_, kIsSpi<Bus>);
+    const auto empty = static_cast<std::uint8_t>(b::kUserCtrlFifoReset | rest);
+    const auto on = static_cast<std::uint8_t>(b::kUserCtrlFifoEn | rest);
     sample_clock_.lose_count();
-    auto done = write_register(bus_, mpu6500::kUserCtrl, kEmpty);
-    if (done) done = write_register(bus_, mpu6500::kUserCtrl, kOn);
+    auto done = write_register(bus_, mpu6500::kUserCtrl, empty);
+    if (done) done = write_register(bus_, mpu6500::kUserCtrl, on);
     if (done) is_shifted_ = false;
     return done;
   }
@@ -314,17 +283,23 @@ class Mpu6500 {
   core::Result<std::size_t, DriverError> drain(std::size_t samples, std::span<GyroSample> out,
                                                std::int16_t temperature) {
     blank_frames_.begin_reading();
-    const auto decode = [&](SampleBytes bytes, GyroSample& sample) {
+    const auto decode = [&](std::span<const std::uint8_t> bytes, GyroSample& sample) {
       const core::Instant time = sample_clock_.next();
       const AxesBytes gyro = bytes.template last<6>();
       if (blank_frames_.is_blank(raw_axes(gyro)) || time < settled_at_) return Frame::no_sample;
+      if (variant_->is_younger) {
+        const auto mark = bytes.last(sizeof(std::int16_t) + gyro.size());
+        if (!mpu6500::is_marked(decode_int16(mark[1], mark[0]), temperature)) return Frame::corrupt;
+      }
       sample = make_sample(time, gyro, temperature);
       if constexpr (kHasAccelerometer) {
         set_acceleration(sample, raw_axes(bytes.template first<6>()), accelerometer_.scale);
       }
       return Frame::sample;
     };
-    return drain_fifo<kSampleBytes>(bus_, mpu6500::kFifoRW, samples, out, decode);
+    constexpr std::size_t kMost = kSampleBytes + mpu6500::kTemperatureBytes;
+    const std::size_t size = mpu6500::sample_bytes(*variant_, kSampleBytes);
+    return drain_frames<kMost>(bus_, mpu6500::kFifoRW, size, samples, out, decode);
   }
 
   /// Samples carry no mark. The output of a line that got stuck in the middle of them is no sample:
@@ -359,9 +334,9 @@ class Mpu6500 {
   }
 
   Bus bus_;
-  mpu6500::Settings settings_;
+  Chosen settings_;
   core::AngularRate lsb_;
-  const mpu6500::Variant* variant_ = nullptr;  ///< not null while it runs
+  const mpu6500::Variant* variant_ = nullptr;  ///< the one that answered, while it runs
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;
   BlankFrames blank_frames_;

@@ -28,6 +28,7 @@ inline constexpr Register<0x68, Access::write_only> kSignalPathReset;
 inline constexpr Register<0x6A, Access::read_write> kUserCtrl;
 inline constexpr Register<0x6B, Access::read_write, 0x01> kPwrMgmt1;  // 40h in an MPU-6050
 inline constexpr Register<0x6C, Access::read_write> kPwrMgmt2;
+inline constexpr Register<0x70, Access::read_write> kI2cIf;      // I2C_IF_DIS; ICM-20602, MPU-6886
 inline constexpr Register<0x72, Access::read_only> kFifoCountH;  // FIFO_COUNTL follows
 inline constexpr Register<0x74, Access::read_only> kFifoRW;      // a burst stays here
 inline constexpr Register<0x75, Access::read_only, 0x70> kWhoAmI;
@@ -43,6 +44,7 @@ inline constexpr std::uint8_t kAccelConfigAll = 0xFF;
 inline constexpr std::uint8_t kAccelConfig2Filter = 0x0F;  // FCHOICE_B, low-pass filter
 inline constexpr std::uint8_t kFifoEnGyro = 0x70;
 inline constexpr std::uint8_t kFifoEnAccel = 0x08;
+inline constexpr std::uint8_t kFifoEnGyroAndTemperature = 0x10;  // ICM-20602 and MPU-6886
 // Active low, open drain, latched, cleared by any reading, FSYNC, bypass.
 inline constexpr std::uint8_t kIntPinCfgAll = 0xFE;
 inline constexpr std::uint8_t kIntEnableAll = 0x79;
@@ -56,6 +58,7 @@ inline constexpr std::uint8_t kUserCtrlAll = 0xF0;
 inline constexpr std::uint8_t kUserCtrlFifoEn = 0x40;
 inline constexpr std::uint8_t kUserCtrlI2cIfDis = 0x10;
 inline constexpr std::uint8_t kUserCtrlFifoReset = 0x04;
+inline constexpr std::uint8_t kI2cIfDis = 0x40;
 inline constexpr std::uint8_t kPwrMgmt1DeviceReset = 0x80;
 inline constexpr std::uint8_t kPwrMgmt1Pll = 0x01;  // awake, clock of the gyro
 inline constexpr std::uint8_t kPwrMgmt2Standby = 0x3F;
@@ -66,5 +69,7 @@ inline constexpr std::uint8_t kPwrMgmt2AccelOff = 0x38;
 inline constexpr unsigned kFifoSampleBytes = 6;
 /// x, y and z of the accelerometer in front of them.
 inline constexpr unsigned kLongSampleBytes = 12;
+/// The temperature, in front of the gyro, where the chip puts it into the FIFO.
+inline constexpr unsigned kTemperatureBytes = 2;
 
 }  // namespace zerorate::drivers::mpu6500

@@ -5,7 +5,9 @@
 #include "core/base/compile_time.hpp"
 #include "hal/sim/adxrs453.hpp"
 #include "hal/sim/bmi088.hpp"
+#include "hal/sim/bmi160.hpp"
 #include "hal/sim/icm42688.hpp"
+#include "hal/sim/l3gd20h.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/lsm6dsv16x.hpp"
 #include "hal/sim/mpu6500.hpp"
@@ -13,7 +15,11 @@
 namespace zerorate::hal::sim {
 
 using AllSimulatedChips =
-    core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedIcm42688,
-                   SimulatedIsm330dhcx, SimulatedLsm6dso, SimulatedLsm6dsv16x, SimulatedMpu6500>;
+    core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedBmi160,
+                   SimulatedIcm20602, SimulatedIcm20689, SimulatedIcm42605, SimulatedIcm42688,
+                   SimulatedIim42652, SimulatedIsm330dhcx, SimulatedL3g4200d, SimulatedL3gd20,
+                   SimulatedL3gd20h, SimulatedLsm6ds3trC, SimulatedLsm6dsl, SimulatedLsm6dso,
+                   SimulatedLsm6dsox, SimulatedLsm6dsr, SimulatedLsm6dsv16x, SimulatedMpu6500,
+                   SimulatedMpu6886>;
 
 }  // namespace zerorate::hal::sim

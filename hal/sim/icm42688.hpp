@@ -32,6 +32,7 @@ class SimulatedIcm42688 : public SimulatedRegisters<128>, public SimulatedAccele
   static constexpr std::string_view kName = "icm42688";
   static constexpr std::uint8_t kIdentityIcm42605 = 0x42;
   static constexpr std::uint8_t kIdentityIcm42688 = 0x47;
+  static constexpr std::uint8_t kIdentityIim42652 = 0x6F;
 
   /// @param clock the simulation's time; must outlive the chip
   /// @param identity of WHO_AM_I
@@ -83,8 +84,17 @@ static_assert(RegisterChip<SimulatedIcm42688>);
 /// The older sister, whose gyro has the same registers.
 class SimulatedIcm42605 : public SimulatedIcm42688 {
  public:
+  static constexpr std::string_view kName = "icm42605";
   explicit SimulatedIcm42605(const SimulatedClock& clock)
       : SimulatedIcm42688(clock, kIdentityIcm42605) {}
+};
+
+/// The sister for industry, with the same registers.
+class SimulatedIim42652 : public SimulatedIcm42688 {
+ public:
+  static constexpr std::string_view kName = "iim42652";
+  explicit SimulatedIim42652(const SimulatedClock& clock)
+      : SimulatedIcm42688(clock, kIdentityIim42652) {}
 };
 
 }  // namespace zerorate::hal::sim

@@ -266,7 +266,7 @@ bool SimulatedLsm6dso::is_masked() const {
 void SimulatedLsm6dso::measure(const std::array<core::AngularRate, 3>& rate,
                                core::Temperature temperature) {
   if (!is_powered()) return;
-  convert(rate, temperature, dps_per_lsb(registers_[ctrl2_g], identity_ != kIdentity));
+  convert(rate, temperature, dps_per_lsb(registers_[ctrl2_g], identity_ == kIdentityWith4000Dps));
   unsigned ready = 0x06;  // GDA, TDA
   has_acceleration_ = is_accelerometer_powered() && !take_loss();
   if (has_acceleration_) {
@@ -356,6 +356,30 @@ void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) 
   if (address == ctrl3_c) value &= static_cast<std::uint8_t>(~kBoot);  // the chip clears it
   registers_[address] = value;
   end_write(address);
+}
+
+/// FIFO_STATUS1 to 4 and the data behind them.
+std::uint8_t SimulatedLsm6dsl::read_register(std::uint8_t address) {
+  address &= 0x7FU;
+  constexpr unsigned kEmpty = 0x10;
+  if (address == fifo_status2) return kEmpty;
+  if (address == fifo_status1 || (address >= 0x3C && address <= 0x3F)) return 0;
+  return address >= fifo_data_out_tag ? std::uint8_t{0} : SimulatedLsm6dso::read_register(address);
+}
+
+/// FIFO_CTRL1 and what has to do with sensors outside are memory here, and not in the LSM6DSO.
+void SimulatedLsm6dsl::write_register(std::uint8_t address, std::uint8_t value) {
+  address &= 0x7FU;
+  const bool is_memory = (address >= 0x04 && address <= 0x06) || address == 0x1A;
+  const bool is_reserved = address == 0x02 || address == 0x0C || address == 0x56 ||
+                           address == 0x57 || (address >= 0x62 && address <= 0x72);
+  if (is_reserved) {
+    ++reserved_writes_;
+  } else if (is_memory) {
+    registers_.at(address) = value;
+  } else {
+    SimulatedLsm6dso::write_register(address, value);
+  }
 }
 
 }  // namespace zerorate::hal::sim

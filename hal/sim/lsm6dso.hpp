@@ -139,6 +139,7 @@ class SimulatedLsm6dso : public SimulatedStModule {
 
  private:
   static constexpr std::uint8_t kIdentity = 0x6C;
+  static constexpr std::uint8_t kIdentityWith4000Dps = 0x6B;
   static constexpr DataPath kDataPath{.fifo_words = 512,  // 3 kbyte of data, six bytes a word
                                       .watermark_high_bit = 0x01,
                                       .turn_on_time = core::Duration::milliseconds(70)};
@@ -173,6 +174,42 @@ class SimulatedAsm330lhh : public SimulatedLsm6dso {
   static constexpr std::string_view kName = "asm330lhh";
   explicit SimulatedAsm330lhh(const SimulatedClock& clock, std::int8_t trim = 0)
       : SimulatedLsm6dso(clock, trim, 0x6B) {}
+};
+
+/// LSM6DSO with 4000 deg/s, for games. Answers as the ISM330DHCX does.
+class SimulatedLsm6dsr : public SimulatedLsm6dso {
+ public:
+  static constexpr std::string_view kName = "lsm6dsr";
+  explicit SimulatedLsm6dsr(const SimulatedClock& clock, std::int8_t trim = 0)
+      : SimulatedLsm6dso(clock, trim, 0x6B) {}
+};
+
+/// An LSM6DSO with a core for machine learning, which is not modelled. Answers as that does.
+class SimulatedLsm6dsox : public SimulatedLsm6dso {
+ public:
+  static constexpr std::string_view kName = "lsm6dsox";
+  explicit SimulatedLsm6dsox(const SimulatedClock& clock, std::int8_t trim = 0)
+      : SimulatedLsm6dso(clock, trim) {}
+};
+
+/// The older LSM6DSL (DocID028475): its own addresses may be written, the oscillator has no trim
+/// register, and the FIFO, which has no tags, is always empty.
+class SimulatedLsm6dsl : public SimulatedLsm6dso {
+ public:
+  static constexpr std::string_view kName = "lsm6dsl";
+  explicit SimulatedLsm6dsl(const SimulatedClock& clock) : SimulatedLsm6dso(clock, 0, 0x6A) {}
+
+  // The bus's side (RegisterChip).
+  std::uint8_t read_register(std::uint8_t address);
+  void write_register(std::uint8_t address, std::uint8_t value);
+};
+static_assert(RegisterChip<SimulatedLsm6dsl>);
+
+/// The successor of the LSM6DSL, with the same registers.
+class SimulatedLsm6ds3trC : public SimulatedLsm6dsl {
+ public:
+  static constexpr std::string_view kName = "lsm6ds3tr-c";
+  using SimulatedLsm6dsl::SimulatedLsm6dsl;
 };
 
 }  // namespace zerorate::hal::sim

@@ -33,6 +33,7 @@ enum Address : std::uint8_t {
   user_ctrl = 0x6A,
   pwr_mgmt_1 = 0x6B,
   pwr_mgmt_2 = 0x6C,
+  i2c_if = 0x70,
   fifo_count_h = 0x72,
   fifo_count_l = 0x73,
   fifo_r_w = 0x74,
@@ -79,7 +80,8 @@ std::uint8_t byte_of_magnetometer(unsigned address) {
 
 void SimulatedMpu6500::reset_registers() {
   registers_.fill(0);
-  registers_[pwr_mgmt_1] = is_mpu6050() ? 0x40 : 0x01;
+  registers_[pwr_mgmt_1] = is_mpu6050() ? 0x40 : (is_icm20602() || is_icm20689() ? 0x41 : 0x01);
+  if (is_icm20602()) registers_[config] = 0x80;
   if (is_mpu6050()) registers_[xg_offs_tc] = 0x01;  // OTP_BNK_VLD
   registers_[who_am_i] = identity_;
   fifo_.clear();
@@ -133,8 +135,7 @@ void SimulatedMpu6500::measure(const std::array<core::AngularRate, 3>& rate,
   const unsigned told = registers_[int_status] & kOverflow;
   const auto degc = static_cast<double>(temperature.degc());
   const bool has_thermometer = (registers_[pwr_mgmt_1] & 0x08U) == 0;  // TEMP_DIS
-  const double warmth = is_mpu6050() ? (degc - 36.53) * 340.0 : (degc - 21.0) * 333.87;
-  if (has_thermometer) set_word(temp_out_h, to_counts(warmth));
+  if (has_thermometer) set_word(temp_out_h, to_counts(temperature_counts(degc)));
   const double transient_dps = start_up_transient_dps(clock_->now() - powered_at_, kTurnOnTime);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool is_on = is_powered() && (registers_[pwr_mgmt_2] & (4U >> axis)) == 0;
@@ -160,11 +161,34 @@ void SimulatedMpu6500::measure_acceleration() {
   }
 }
 
+double SimulatedMpu6500::temperature_counts(double degc) const {
+  if (is_mpu6050()) return (degc - 36.53) * 340.0;
+  if (is_icm20602() || is_icm20689()) return (degc - 25.0) * 326.8;
+  return (degc - 21.0) * 333.87;
+}
+
+/// Registers that these relatives do not have: offsets of the older kind, the I2C master.
+bool SimulatedMpu6500::is_reserved(std::uint8_t address) const {
+  if (!is_icm20602() && !is_icm20689()) return false;
+  return (address >= 0x24 && address <= 0x34) || (address >= 0x63 && address <= 0x67) ||
+         (is_icm20689() && address == signal_path_reset);
+}
+
+std::size_t SimulatedMpu6500::fifo_capacity() const {
+  if (is_icm20602()) return 1008;
+  return is_mpu6050() ? 1024 : 512;
+}
+
 /// Puts into the FIFO what is enabled, in the order of the registers.
 void SimulatedMpu6500::push_sample() {
   if ((registers_[user_ctrl] & 0x40U) == 0) return;
   const unsigned enabled = registers_[fifo_en];
   const std::span registers{registers_};
+  if (is_icm20602()) {
+    if ((enabled & 0x08U) != 0) push_bytes(registers.subspan(accel_xout_h, 6));
+    if ((enabled & 0x10U) != 0) push_bytes(registers.subspan(temp_out_h, 8));
+    return;
+  }
   if ((enabled & 0x08U) != 0) push_bytes(registers.subspan(accel_xout_h, 6));
   if ((enabled & 0x80U) != 0) push_bytes(registers.subspan(temp_out_h, 2));
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -174,7 +198,7 @@ void SimulatedMpu6500::push_sample() {
 
 /// A full FIFO loses its oldest bytes, or, in FIFO_MODE of the MPU-6500, what comes.
 void SimulatedMpu6500::push_bytes(std::span<const std::uint8_t> bytes) {
-  const std::size_t capacity = is_mpu6050() ? 1024 : 512;
+  const std::size_t capacity = fifo_capacity();
   const bool stops = !is_mpu6050() && (registers_[config] & 0x40U) != 0;
   for (const std::uint8_t byte : bytes) {
     if (fifo_.size() == capacity) {
@@ -232,7 +256,8 @@ void SimulatedMpu6500::reset_parts(std::uint8_t address, std::uint8_t value) {
 void SimulatedMpu6500::write_register(std::uint8_t address, std::uint8_t value) {
   address &= 0x7FU;
   if (is_resetting() || is_read_only(address)) return;
-  if (!is_writable(address)) {
+  const bool is_i2c_if = is_icm20602() && address == i2c_if;
+  if ((!is_writable(address) || is_reserved(address)) && !is_i2c_if) {
     ++reserved_writes_;
     return;
   }

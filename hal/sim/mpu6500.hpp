@@ -1,5 +1,5 @@
 /// @file
-/// An MPU-6500 or MPU-6050 at the level of its registers, fed with physical values.
+/// An MPU-6500 or a relative at the level of its registers, fed with physical values.
 #pragma once
 
 #include <array>
@@ -34,10 +34,14 @@ class SimulatedMpu6500 : public SimulatedRegisters<128>, public SimulatedAcceler
   static constexpr std::uint8_t kIdentityMpu6050 = 0x68;
   static constexpr std::uint8_t kIdentityMpu6500 = 0x70;
   static constexpr std::uint8_t kIdentityMpu9250 = 0x71;
+  static constexpr std::uint8_t kIdentityIcm20689 = 0x98;
+  static constexpr std::uint8_t kIdentityIcm20602 = 0x12;
+  static constexpr std::uint8_t kIdentityMpu6886 = 0x19;
 
   /// @param clock the simulation's time; must outlive the chip
-  /// @param identity of WHO_AM_I. That of the MPU-6050 brings its FIFO, thermometer and reset
-  /// values; with any other the chip is an MPU-6500 that identifies as one.
+  /// @param identity of WHO_AM_I. Those of the MPU-6050, the ICM-20689, the ICM-20602 and the
+  /// MPU-6886 bring FIFO, thermometer, reset values and reserved registers; with any other the chip
+  /// is an MPU-6500 that identifies as one.
   explicit SimulatedMpu6500(const SimulatedClock& clock, std::uint8_t identity = kIdentityMpu6500)
       : SimulatedRegisters(clock), identity_(identity) {
     reset_registers();
@@ -64,6 +68,14 @@ class SimulatedMpu6500 : public SimulatedRegisters<128>, public SimulatedAcceler
 
  private:
   [[nodiscard]] bool is_mpu6050() const { return identity_ == kIdentityMpu6050; }
+  [[nodiscard]] bool is_icm20689() const { return identity_ == kIdentityIcm20689; }
+  /// ICM-20602 or MPU-6886.
+  [[nodiscard]] bool is_icm20602() const {
+    return identity_ == kIdentityIcm20602 || identity_ == kIdentityMpu6886;
+  }
+  [[nodiscard]] bool is_reserved(std::uint8_t address) const;
+  [[nodiscard]] std::size_t fifo_capacity() const;
+  [[nodiscard]] double temperature_counts(double degc) const;
   [[nodiscard]] bool is_awake() const;
   [[nodiscard]] double offset_dps(std::size_t axis) const;
   void reset_registers();
@@ -107,5 +119,29 @@ class SimulatedMpu9250 : public SimulatedMpu6500 {
   void serve_first_slave();
 };
 static_assert(RegisterChip<SimulatedMpu9250>);
+
+/// Its FIFO of up to 4096 bytes has the 512 of the reset.
+class SimulatedIcm20689 : public SimulatedMpu6500 {
+ public:
+  static constexpr std::string_view kName = "icm20689";
+  explicit SimulatedIcm20689(const SimulatedClock& clock)
+      : SimulatedMpu6500(clock, kIdentityIcm20689) {}
+};
+
+/// The gyro goes into its FIFO with the temperature alone.
+class SimulatedIcm20602 : public SimulatedMpu6500 {
+ public:
+  static constexpr std::string_view kName = "icm20602";
+  explicit SimulatedIcm20602(const SimulatedClock& clock)
+      : SimulatedMpu6500(clock, kIdentityIcm20602) {}
+};
+
+/// An ICM-20602 by another name.
+class SimulatedMpu6886 : public SimulatedMpu6500 {
+ public:
+  static constexpr std::string_view kName = "mpu6886";
+  explicit SimulatedMpu6886(const SimulatedClock& clock)
+      : SimulatedMpu6500(clock, kIdentityMpu6886) {}
+};
 
 }  // namespace zerorate::hal::sim

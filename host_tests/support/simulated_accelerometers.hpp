@@ -71,6 +71,17 @@ struct Mpu6500WithAcceleration : WithAcceleration<Mpu6500, drivers::mpu6500::Chi
       ConfiguredBits{0x1B, 0xFB}, ConfiguredBits{0x37, 0xFE}, ConfiguredBits{0x38, 0x79},
       ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
 };
+struct Icm20602WithAcceleration : WithAcceleration<Icm20602, drivers::mpu6500::Icm20602> {
+  static constexpr const char* kName = "Icm20602WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 72;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x1C, 0xFF}, ConfiguredBits{0x1D, 0x0F},
+      ConfiguredBits{0x70, 0x40}, ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
+      ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB}, ConfiguredBits{0x37, 0xFE},
+      ConfiguredBits{0x38, 0x79}, ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+};
 struct Mpu6050WithAcceleration : WithAcceleration<Mpu6050, drivers::mpu6500::Chip> {
   static constexpr const char* kName = "Mpu6050WithAcceleration";
   static constexpr float kLsbG = 4.0F / 32768.0F;
@@ -81,6 +92,19 @@ struct Mpu6050WithAcceleration : WithAcceleration<Mpu6050, drivers::mpu6500::Chi
                                           ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB},
                                           ConfiguredBits{0x37, 0xFE}, ConfiguredBits{0x38, 0x79},
                                           ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+};
+
+struct Bmi160WithAcceleration : WithAcceleration<Bmi160, drivers::bmi160::Chip> {
+  static constexpr const char* kName = "Bmi160WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 85;
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(100);
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x40, 0xFF}, ConfiguredBits{0x41, 0x0F},
+      ConfiguredBits{0x42, 0x3F}, ConfiguredBits{0x43, 0x07}, ConfiguredBits{0x46, 0xFF},
+      ConfiguredBits{0x51, 0x7F}, ConfiguredBits{0x53, 0x0F}, ConfiguredBits{0x54, 0x1F},
+      ConfiguredBits{0x56, 0xF0}, ConfiguredBits{0x47, 0xFE}};
 };
 
 /// Two dies on one I2C bus. The gyro's samples come 55 ms later: the accelerometer needs so long.
@@ -120,6 +144,7 @@ using WiringsWithAcceleration =
     core::TypeList<OverSpi<Lsm6dsoWithAcceleration>, OverI2c<Lsm6dsoWithAcceleration>,
                    OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
                    OverI2c<Icm42688WithAcceleration>, OverSpi<Mpu6500WithAcceleration>,
-                   OverI2c<Mpu6050WithAcceleration>, OverI2cTwice<Bmi088WithAcceleration>>;
+                   OverI2c<Mpu6050WithAcceleration>, OverSpi<Icm20602WithAcceleration>,
+                   OverSpi<Bmi160WithAcceleration>, OverI2cTwice<Bmi088WithAcceleration>>;
 
 }  // namespace zerorate::support

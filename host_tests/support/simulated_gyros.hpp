@@ -3,7 +3,6 @@
 /// order to expect something of its driver. Numbers are the datasheets', not the drivers'.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,104 +15,17 @@
 #include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
 #include "hal/testing/fault_injector.hpp"
+#include "host_tests/support/gyro_description.hpp"
 #include "host_tests/support/gyro_rig.hpp"
+#include "host_tests/support/simulated_st_gyros.hpp"
 
 namespace zerorate::support {
 
-/// Settings of a full scale, the rate of its LSB, and how far the test goes.
-template <class Settings>
-struct Range {
-  Settings settings;
-  float lsb_dps;
-  float span_dps;
-};
-
-/// Bits of a register that the driver configures.
-struct ConfiguredBits {
-  std::uint8_t address;
-  std::uint8_t bits;
-};
-
-/// ST's family. `SettingsOfChip` says which of them the driver is for.
-template <class SimulatedChip, class SettingsOfChip, bool kHas4000Dps>
-struct Lsm6Family {
+/// TDK's family, whose registers are the same in all of them.
+template <class SimulatedChip, class SettingsOfChip>
+struct Icm42Family {
   using Simulated = SimulatedChip;
   using Settings = SettingsOfChip;
-  using FullScale = drivers::lsm6dso::FullScale;
-  template <class Bus>
-  using Driver = drivers::Lsm6dso<Bus>;
-  static constexpr hal::I2cAddress kAddress{0x6A};
-
-  static constexpr Settings kDataReady{.mode = drivers::lsm6dso::Mode::data_ready};
-  static constexpr Settings kFifo{.mode = drivers::lsm6dso::Mode::fifo, .fifo_watermark = 3};
-  static constexpr auto kRanges = [] {
-    constexpr std::array kAll{
-        Range<Settings>{{.full_scale = FullScale::dps_125}, 4.375e-3F, 124.0F},
-        Range<Settings>{{.full_scale = FullScale::dps_250}, 8.75e-3F, 249.0F},
-        Range<Settings>{{.full_scale = FullScale::dps_500}, 17.5e-3F, 499.0F},
-        Range<Settings>{{.full_scale = FullScale::dps_1000}, 35e-3F, 999.0F},
-        Range<Settings>{{.full_scale = FullScale::dps_2000}, 70e-3F, 1999.0F},
-        Range<Settings>{{.full_scale = FullScale::dps_4000}, 140e-3F, 3999.0F}};
-    std::array<Range<Settings>, kAll.size() - (kHas4000Dps ? 0 : 1)> ranges{};
-    std::copy_n(kAll.begin(), ranges.size(), ranges.begin());
-    return ranges;
-  }();
-  static constexpr float kLsbDps = 8.75e-3F;
-  static constexpr float kFullScaleDps = 250.0F;
-  static constexpr std::int16_t kLowestRaw = -32768;
-  static constexpr float kTemperatureLsb = 1.0F / 256.0F;
-  static constexpr bool kFramesAreMarked = true;
-  static constexpr std::size_t kVerifyTransactions = 1;
-  static constexpr bool kIsSampledByReading = false;
-  static constexpr std::size_t kFifoCapacity = 512;
-  static constexpr bool kHasWatermark = true;
-
-  static constexpr std::uint8_t kIdentity = 0x0F;
-  static constexpr std::array kConfigured{
-      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x18, 0x02}, ConfiguredBits{0x13, 0x42},
-      ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x10, 0xF0}, ConfiguredBits{0x0D, 0xFF},
-      ConfiguredBits{0x07, 0xFF}, ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF},
-      ConfiguredBits{0x0A, 0xF7}, ConfiguredBits{0x11, 0xFF}};
-  static constexpr core::Duration kStartTime = core::Duration::microseconds(50);
-  /// When the first sample may come after start() succeeded, and when it must: 70 ms and three
-  /// samples of 104 Hz, and two more.
-  static constexpr core::Duration kEarliest = core::Duration::microseconds(98'800);
-  static constexpr core::Duration kLatest = core::Duration::microseconds(118'100);
-};
-
-struct Lsm6dso : Lsm6Family<hal::sim::SimulatedLsm6dso, drivers::lsm6dso::Settings, false> {
-  static constexpr const char* kName = "Lsm6dso";
-};
-
-struct Ism330dhcx
-    : Lsm6Family<hal::sim::SimulatedIsm330dhcx, drivers::lsm6dso::Ism330dhcx::Settings, true> {
-  static constexpr const char* kName = "Ism330dhcx";
-};
-
-struct Asm330lhh
-    : Lsm6Family<hal::sim::SimulatedAsm330lhh, drivers::lsm6dso::Asm330lhh::Settings, true> {
-  static constexpr const char* kName = "Asm330lhh";
-};
-
-/// The youngest, with its range in another register.
-struct Lsm6dsv16x
-    : Lsm6Family<hal::sim::SimulatedLsm6dsv16x, drivers::lsm6dso::Lsm6dsv16x::Settings, true> {
-  static constexpr const char* kName = "Lsm6dsv16x";
-  static constexpr std::size_t kFifoCapacity = 256;
-  static constexpr std::array kConfigured{
-      ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x15, 0x7F}, ConfiguredBits{0x13, 0x0A},
-      ConfiguredBits{0x16, 0x81}, ConfiguredBits{0x10, 0x0F}, ConfiguredBits{0x0D, 0xFF},
-      ConfiguredBits{0x07, 0xFF}, ConfiguredBits{0x08, 0xD1}, ConfiguredBits{0x09, 0xFF},
-      ConfiguredBits{0x0A, 0xF7}, ConfiguredBits{0x11, 0x7F}};
-  /// 70 ms and three samples of 120 Hz, and two more.
-  static constexpr core::Duration kEarliest = core::Duration::microseconds(95'000);
-  static constexpr core::Duration kLatest = core::Duration::microseconds(111'700);
-};
-
-struct Icm42688 {
-  static constexpr const char* kName = "Icm42688";
-  using Simulated = hal::sim::SimulatedIcm42688;
-  using Settings = drivers::icm42688::Settings;
   using FullScale = drivers::icm42688::FullScale;
   template <class Bus>
   using Driver = drivers::Icm42688<Bus>;
@@ -151,6 +63,16 @@ struct Icm42688 {
   /// 60 ms and three samples of 100 Hz, and one more.
   static constexpr core::Duration kEarliest = core::Duration::milliseconds(90);
   static constexpr core::Duration kLatest = core::Duration::milliseconds(100);
+};
+
+struct Icm42688 : Icm42Family<hal::sim::SimulatedIcm42688, drivers::icm42688::Settings> {
+  static constexpr const char* kName = "Icm42688";
+};
+struct Icm42605 : Icm42Family<hal::sim::SimulatedIcm42605, drivers::icm42688::Icm42605::Settings> {
+  static constexpr const char* kName = "Icm42605";
+};
+struct Iim42652 : Icm42Family<hal::sim::SimulatedIim42652, drivers::icm42688::Iim42652::Settings> {
+  static constexpr const char* kName = "Iim42652";
 };
 
 struct Bmi088 {
@@ -191,10 +113,11 @@ struct Bmi088 {
   static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
 };
 
-struct Mpu6500 {
-  static constexpr const char* kName = "Mpu6500";
-  using Simulated = hal::sim::SimulatedMpu6500;
-  using Settings = drivers::mpu6500::Settings;
+/// InvenSense's older family.
+template <class SimulatedChip, class SettingsOfChip>
+struct Mpu6Family {
+  using Simulated = SimulatedChip;
+  using Settings = SettingsOfChip;
   using FullScale = drivers::mpu6500::FullScale;
   template <class Bus>
   using Driver = drivers::Mpu6500<Bus>;
@@ -219,9 +142,6 @@ struct Mpu6500 {
   static constexpr bool kHasWatermark = false;
 
   static constexpr std::uint8_t kIdentity = 0x75;
-  /// Answers that the driver takes, copies included.
-  static constexpr std::array<std::uint8_t, 7> kIdentities{0x68, 0x70, 0x71, 0x72,
-                                                           0x73, 0x74, 0x98};
   static constexpr std::array kConfigured{
       ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
       ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB}, ConfiguredBits{0x37, 0xFE},
@@ -232,12 +152,84 @@ struct Mpu6500 {
   static constexpr core::Duration kLatest = core::Duration::milliseconds(110);
 };
 
+struct Mpu6500 : Mpu6Family<hal::sim::SimulatedMpu6500, drivers::mpu6500::Settings> {
+  static constexpr const char* kName = "Mpu6500";
+  /// Answers that the driver takes, copies included.
+  static constexpr std::array<std::uint8_t, 7> kIdentities{0x68, 0x70, 0x71, 0x72,
+                                                           0x73, 0x74, 0x98};
+};
+
+struct Icm20689 : Mpu6Family<hal::sim::SimulatedIcm20689, drivers::mpu6500::Icm20689::Settings> {
+  static constexpr const char* kName = "Icm20689";
+  static constexpr float kTemperatureLsb = 1.0F / 326.8F;
+};
+
+/// The younger ones, with 1008 bytes of FIFO and eight bytes a sample.
+template <class SimulatedChip, class SettingsOfChip>
+struct Icm206Family : Mpu6Family<SimulatedChip, SettingsOfChip> {
+  static constexpr float kTemperatureLsb = 1.0F / 326.8F;
+  static constexpr std::size_t kFifoCapacity = 126;
+  static constexpr std::array kConfigured{ConfiguredBits{0x6B, 0xFF}, ConfiguredBits{0x70, 0x40},
+                                          ConfiguredBits{0x6C, 0x3F}, ConfiguredBits{0x1A, 0x7F},
+                                          ConfiguredBits{0x19, 0xFF}, ConfiguredBits{0x1B, 0xFB},
+                                          ConfiguredBits{0x37, 0xFE}, ConfiguredBits{0x38, 0x79},
+                                          ConfiguredBits{0x23, 0xFF}, ConfiguredBits{0x6A, 0xF0}};
+  /// 100 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(130);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(140);
+};
+struct Icm20602 : Icm206Family<hal::sim::SimulatedIcm20602, drivers::mpu6500::Icm20602::Settings> {
+  static constexpr const char* kName = "Icm20602";
+};
+struct Mpu6886 : Icm206Family<hal::sim::SimulatedMpu6886, drivers::mpu6500::Mpu6886::Settings> {
+  static constexpr const char* kName = "Mpu6886";
+};
+
 /// The older relative, with another thermometer and twice the FIFO.
 struct Mpu6050 : Mpu6500 {
   static constexpr const char* kName = "Mpu6050";
   using Simulated = hal::sim::SimulatedMpu6050;
   static constexpr float kTemperatureLsb = 1.0F / 340.0F;
   static constexpr std::size_t kFifoCapacity = 170;
+};
+
+struct Bmi160 {
+  static constexpr const char* kName = "Bmi160";
+  using Simulated = hal::sim::SimulatedBmi160;
+  using Settings = drivers::bmi160::Settings;
+  using FullScale = drivers::bmi160::FullScale;
+  template <class Bus>
+  using Driver = drivers::Bmi160<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x68};
+
+  static constexpr Settings kDataReady{.mode = drivers::bmi160::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::bmi160::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 1.0F / 262.144F, 124.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr float kLsbDps = 1.0F / 131.072F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32768;
+  static constexpr float kTemperatureLsb = 1.0F / 512.0F;
+  /// They are not, but a flipped bit makes of the level no multiple of a frame.
+  static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 1;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 170;
+  static constexpr bool kHasWatermark = true;
+
+  static constexpr std::uint8_t kIdentity = 0x00;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x42, 0x3F}, ConfiguredBits{0x43, 0x07},
+      ConfiguredBits{0x46, 0xFF}, ConfiguredBits{0x51, 0x7F}, ConfiguredBits{0x53, 0x0F},
+      ConfiguredBits{0x54, 0x1F}, ConfiguredBits{0x56, 0xF0}, ConfiguredBits{0x47, 0xFE}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(95);
+  /// 30 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(60);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(70);
 };
 
 struct Adxrs453 {
@@ -300,13 +292,17 @@ struct OverFrames {
   static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
 };
 
-/// Every chip with a FIFO in every wiring.
+/// Every chip with a FIFO in every wiring, or in one where it differs from another by its name.
 using WiringsWithFifo =
     core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
                    OverSpi<Bmi088>, OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>,
                    OverI2c<Mpu6050>, OverSpi<Ism330dhcx>, OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>,
-                   OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>>;
+                   OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>, OverSpi<Lsm6dsr>,
+                   OverI2c<Lsm6dsox>, OverSpi<Icm42605>, OverI2c<Iim42652>, OverSpi<Icm20689>,
+                   OverSpi<Icm20602>, OverI2c<Icm20602>, OverI2c<Mpu6886>, OverSpi<L3gd20h>,
+                   OverI2c<L3gd20h>, OverSpi<Bmi160>, OverI2c<Bmi160>, OverI2c<L3g4200d>>;
 /// The other chips.
-using WiringsWithoutFifo = core::TypeList<OverFrames<Adxrs453>>;
+using WiringsWithoutFifo =
+    core::TypeList<OverFrames<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>>;
 
 }  // namespace zerorate::support

@@ -135,6 +135,7 @@ std::span<const SimulatedChip> simulated_chips() {
   static const std::vector<SimulatedChip> chips = [] {
     std::vector<SimulatedChip> lines;
     drivers::AllChips::for_each([&]<class Chip> { add<Chip>(lines); });
+    std::ranges::sort(lines, {}, &SimulatedChip::name);
     return lines;
   }();
   return chips;

@@ -80,7 +80,7 @@ std::string to_text(const std::vector<Bus>& buses, const std::vector<KernelGyro>
     for (const Attempt& attempt : bus.attempts) {
       const std::string place =
           attempt.address ? fmt::format("{} at {:#04x}", bus.device, *attempt.address) : bus.device;
-      text += fmt::format("{:<20} {:<9} {:<5} {}\n", place, attempt.chip,
+      text += fmt::format("{:<20} {:<11} {:<5} {}\n", place, attempt.chip,
                           attempt.is_found ? "found" : "no", attempt.answer);
     }
   }

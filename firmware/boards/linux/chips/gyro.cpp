@@ -234,6 +234,7 @@ std::span<const ChipDescription> chips() {
   static const std::vector<ChipDescription> all = [] {
     std::vector<ChipDescription> descriptions;
     drivers::AllChips::for_each([&]<class Chip> { descriptions.push_back(describe<Chip>()); });
+    std::ranges::sort(descriptions, {}, &ChipDescription::name);
     return descriptions;
   }();
   return all;

@@ -39,9 +39,11 @@ core::Duration period_of(double rate_hz) {
 }  // namespace
 
 std::string_view chip_of_iio(std::string_view device) {
-  const auto found = std::ranges::find_if(
-      chips(), [&](const ChipDescription& chip) { return device.starts_with(chip.name); });
-  return found == chips().end() ? std::string_view{} : found->name;
+  std::string_view longest;  // "lsm6dsox_gyro" begins with "lsm6dso", too
+  for (const ChipDescription& chip : chips()) {
+    if (device.starts_with(chip.name) && chip.name.size() > longest.size()) longest = chip.name;
+  }
+  return longest;
 }
 
 IioGyro::IioGyro(const GyroSettings& settings, hal::linux_os::IioPlaces places)

@@ -118,6 +118,22 @@ TEST(Icm42688, IsBroughtBackFromAnotherRegisterBank) {
   }
 }
 
+TEST(Icm42688Relatives, AreNotTakenForEachOther) {
+  using Links = support::OverSpi<support::Icm42605>;
+  for (const auto identity : std::to_array<std::uint8_t>({0x42, 0x47, 0x6F})) {
+    hal::sim::SimulatedClock clock{};
+    hal::sim::SimulatedIcm42688 chip{clock, identity};
+    hal::sim::SimulatedSpiDevice<hal::sim::SimulatedIcm42688> bus{chip};
+    const auto started_as = [&](const auto& settings) {
+      Icm42688 driver{SpiRegisters{bus}, settings};
+      return driver.start(clock.now()).error().code == DriverErrorCode::not_ready;
+    };
+    EXPECT_EQ(started_as(Links::Gyro::Settings{}), identity == 0x42);
+    EXPECT_EQ(started_as(icm42688::Settings{}), identity == 0x47);
+    EXPECT_EQ(started_as(icm42688::Iim42652::Settings{}), identity == 0x6F);
+  }
+}
+
 TEST(Icm42688Fifo, KeepsASampleThatWasReadInPart) {
   Rig rig{{.mode = Mode::fifo}};
   ASSERT_TRUE(rig.start_and_settle());

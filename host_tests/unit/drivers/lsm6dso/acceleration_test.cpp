@@ -193,5 +193,20 @@ TEST(Lsm6dsoWithAcceleration, AFlippedTagIsCorruptData) {
   }
 }
 
+struct Lsm6dslWithAcceleration : support::WithAcceleration<support::Lsm6dsl, lsm6dso::Lsm6dsl> {};
+
+TEST(Lsm6dslAcceleration, ComesWithTheSampleAtDataReady) {
+  support::GyroRig<support::OverSpi<Lsm6dslWithAcceleration>> rig;
+  ASSERT_TRUE(rig.start_and_settle());
+  EXPECT_EQ(rig.chip.read_register(0x10), 0x48);  // CTRL1_XL: 104 Hz, 4 g
+  EXPECT_EQ(rig.chip.read_register(0x09), 0x00);  // FIFO_CTRL4
+  rig.sample({core::deg_per_s(10.0F), {}, {}});
+  std::array<GyroSample, 1> out{};
+  ASSERT_EQ(rig.read(out).value_or(0), 1U);
+  ASSERT_TRUE(out[0].has_acceleration);
+  EXPECT_NEAR(out[0].acceleration[2].in(core::m_per_s2), 9.80665F, 0.001F);
+  EXPECT_NEAR(out[0].rate[0].in(core::deg_per_s), 10.0F, 0.005F);
+}
+
 }  // namespace
 }  // namespace zerorate::drivers

@@ -212,6 +212,24 @@ TEST(Lsm6dsoRelatives, AreConfiguredInTheirOwnLayout) {
 TEST(Lsm6dsoRelatives, ThatAnswerAlikeAreTakenForEachOther) {
   EXPECT_TRUE((started_as<hal::sim::SimulatedAsm330lhh, support::Ism330dhcx>()));
   EXPECT_TRUE((started_as<hal::sim::SimulatedIsm330dhcx, support::Asm330lhh>()));
+  EXPECT_TRUE((started_as<hal::sim::SimulatedIsm330dhcx, support::Lsm6dsr>()));
+  EXPECT_TRUE((started_as<hal::sim::SimulatedLsm6dso, support::Lsm6dsox>()));
+  EXPECT_TRUE((started_as<hal::sim::SimulatedLsm6dsl, support::Lsm6ds3trC>()));
+  EXPECT_FALSE((started_as<hal::sim::SimulatedLsm6dsl, support::Lsm6dso>()));
+}
+
+TEST(Lsm6dsoRelatives, WithoutTagsLeaveTheirFifoOff) {
+  support::GyroRig<support::OverSpi<support::Lsm6dsl>> rig{{.fifo_watermark = 40}};
+  for (const auto address : std::to_array<std::uint8_t>({0x06, 0x07, 0x08, 0x09, 0x0A}))
+    rig.chip.upset(address, 0x3D);
+  ASSERT_TRUE(rig.start());
+  for (const auto address : std::to_array<std::uint8_t>({0x06, 0x07, 0x08, 0x09, 0x0A})) {
+    EXPECT_EQ(rig.chip.read_register(address), 0x00) << int{address};
+  }
+  EXPECT_EQ(rig.chip.read_register(0x18), 0xE0) << "no I3C to switch off";
+  EXPECT_EQ(rig.driver.sample_period(), rig.chip.sample_period());
+  EXPECT_FALSE(lsm6dso::Lsm6dsl::kHasFifo);
+  EXPECT_TRUE(lsm6dso::Lsm6dsox::kHasFifo);
 }
 
 TEST(Lsm6dsoRelatives, HaveOneRangeMore) {
@@ -219,6 +237,8 @@ TEST(Lsm6dsoRelatives, HaveOneRangeMore) {
   EXPECT_EQ(lsm6dso::Chip::kFullScales.back().value, 2000.0);
   EXPECT_EQ(lsm6dso::Ism330dhcx::kFullScales.back().value, 4000.0);
   EXPECT_EQ(lsm6dso::Asm330lhh::kFullScales.back().value, 4000.0);
+  EXPECT_EQ(lsm6dso::Lsm6dsr::kFullScales.back().value, 4000.0);
+  EXPECT_EQ(lsm6dso::Lsm6dsl::kFullScales.back().value, 2000.0);
 }
 
 TEST(Lsm6dso, ReportsARegisterThatDoesNotTakeItsValue) {

@@ -38,11 +38,11 @@ TEST(Mpu6500AccelerationLsb, AgreesWithTheDataSheet) {
 
 TEST(Mpu6500FifoLevel, CountsSamplesOfTwelveBytes) {
   const mpu6500::Variant& chip = *mpu6500::find_variant(0x70);
-  EXPECT_EQ(mpu6500::decode_fifo_level<12>(chip, 0x00, 0x24).samples, 3);
-  EXPECT_TRUE(mpu6500::decode_fifo_level<12>(chip, 0x00, 0x24).is_whole);
-  EXPECT_FALSE(mpu6500::decode_fifo_level<12>(chip, 0x00, 0x2A).is_whole);
-  EXPECT_FALSE(mpu6500::decode_fifo_level<12>(chip, 0x01, 0xD4).is_overrun) << "468 bytes";
-  EXPECT_TRUE(mpu6500::decode_fifo_level<12>(chip, 0x01, 0xE0).is_overrun) << "480 bytes";
+  EXPECT_EQ(mpu6500::decode_fifo_level(chip, 0x00, 0x24, 12).samples, 3);
+  EXPECT_TRUE(mpu6500::decode_fifo_level(chip, 0x00, 0x24, 12).is_whole);
+  EXPECT_FALSE(mpu6500::decode_fifo_level(chip, 0x00, 0x2A, 12).is_whole);
+  EXPECT_FALSE(mpu6500::decode_fifo_level(chip, 0x01, 0xD4, 12).is_overrun) << "468 bytes";
+  EXPECT_TRUE(mpu6500::decode_fifo_level(chip, 0x01, 0xE0, 12).is_overrun) << "480 bytes";
 }
 
 TEST(Mpu6500WithAcceleration, ConfiguresTheRegistersOfBoth) {

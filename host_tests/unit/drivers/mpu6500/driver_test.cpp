@@ -89,6 +89,38 @@ TEST(Mpu6500FifoLevel, WithAFlippedBitIsNeverWhole) {
   }
 }
 
+TEST(Mpu6500Part, TakesItsOwnAnswerAndWhatIsSoldAsAnMpu6500) {
+  for (const auto identity :
+       std::to_array<std::uint8_t>({0x68, 0x70, 0x71, 0x72, 0x73, 0x74, 0x98})) {
+    EXPECT_TRUE(takes(Part::mpu6500, identity)) << int{identity};
+    EXPECT_EQ(takes(Part::icm20689, identity), identity == 0x98);
+    EXPECT_FALSE(takes(Part::icm20602, identity));
+  }
+  EXPECT_FALSE(takes(Part::mpu6500, 0x12));
+  EXPECT_FALSE(takes(Part::mpu6500, 0x19));
+  EXPECT_TRUE(takes(Part::icm20602, 0x12));
+  EXPECT_FALSE(takes(Part::icm20602, 0x19));
+  EXPECT_TRUE(takes(Part::mpu6886, 0x19));
+}
+
+TEST(Icm20602FifoLevel, IsInSamplesOfEightOrFourteenBytes) {
+  const Variant& chip = variant_of(Part::icm20602);
+  EXPECT_EQ(decode_fifo_level(chip, 0x00, 0x18).samples, 3);
+  EXPECT_TRUE(decode_fifo_level(chip, 0x00, 0x18).is_whole);
+  EXPECT_FALSE(decode_fifo_level(chip, 0x00, 0x1C).is_whole);
+  EXPECT_TRUE(decode_fifo_level(chip, 0x00, 0x1C, kLongSampleBytes).is_whole);
+  EXPECT_FALSE(decode_fifo_level(chip, 0x03, 0xD8).is_overrun) << "984 bytes";
+  EXPECT_TRUE(decode_fifo_level(chip, 0x03, 0xE0).is_overrun) << "992 bytes";
+  EXPECT_FALSE(decode_fifo_level(chip, 0x03, 0xF8).is_plausible);
+}
+
+TEST(Icm20602Mark, IsTheTemperatureWithin5Degrees) {
+  EXPECT_TRUE(is_marked(0, 1634));
+  EXPECT_TRUE(is_marked(1634, 0));
+  EXPECT_FALSE(is_marked(0, 1635));
+  EXPECT_FALSE(is_marked(-32768, 32767));
+}
+
 TEST(Mpu6500SamplePeriod, IsThatOfTheNamedRate) {
   EXPECT_EQ(sample_period(OutputDataRate::hz_12_5), core::Duration::milliseconds(80));
   EXPECT_EQ(sample_period(OutputDataRate::hz_25), core::Duration::milliseconds(40));
@@ -181,6 +213,38 @@ TEST(Mpu6500, RefusesAChipThatBecomesAnotherWhileItStarts) {
   EXPECT_EQ(rig.driver.start(rig.clock.now()).error(),
             (DriverError{DriverErrorCode::wrong_identity, {}, 0x75}));
   EXPECT_TRUE(rig.start());
+}
+
+TEST(Icm20602, HasTheSwitchOfI2cInARegisterOfItsOwn) {
+  support::GyroRig<support::OverSpi<support::Icm20602>> spi{{.mode = Mode::fifo}};
+  ASSERT_TRUE(spi.start());
+  EXPECT_EQ(spi.chip.read_register(0x70), 0x40);  // I2C_IF
+  EXPECT_EQ(spi.chip.read_register(0x6A), 0x40);  // USER_CTRL: FIFO on
+  EXPECT_EQ(spi.chip.read_register(0x23), 0x10);  // FIFO_EN: gyro and temperature
+  EXPECT_EQ(spi.chip.read_register(0x1A), 0x83);  // CONFIG: 41 Hz; bit 7 is not ours
+  support::GyroRig<support::OverI2c<support::Icm20602>> i2c;
+  ASSERT_TRUE(i2c.start());
+  EXPECT_EQ(i2c.chip.read_register(0x70), 0x00);
+}
+
+TEST(Icm20602Fifo, GivesNoShiftedSampleAfterLostBytes) {
+  for (int lost = 1; lost < 8; ++lost) {
+    support::GyroRig<support::OverSpi<support::Icm20602>> rig{{.mode = Mode::fifo}};
+    ASSERT_TRUE(rig.start_and_settle());
+    constexpr auto kWarm = core::Temperature::from_degc(40.0F);
+    for (int i = 0; i < 3; ++i) rig.sample(kOneTwoThree, kWarm);
+    for (int i = 0; i < lost; ++i) rig.chip.read_register(0x74);
+    // Other bytes take their place, so that the level is whole.
+    for (int i = 0; i < lost; ++i) rig.chip.write_register(0x74, 0x15);
+    std::array<GyroSample, 8> out{};
+    const auto read = rig.read(out);
+    ASSERT_FALSE(read) << lost;
+    EXPECT_EQ(read.error().code, DriverErrorCode::corrupt_data);
+    ASSERT_EQ(rig.read(out).value_or(9), 0U) << "it is emptied";
+    rig.sample(kOneTwoThree, kWarm);
+    ASSERT_EQ(rig.read(out).value_or(0), 1U);
+    expect_one_two_three(out[0]);
+  }
 }
 
 TEST(Mpu6500Fifo, TellsOfTheGapWhereABurstTookPartOfASample) {

@@ -300,5 +300,30 @@ TEST_F(SimulatedMpu6500Test, CountsWritesToAddressesThatAreNotListed) {
   EXPECT_EQ(chip_.read_register(0x75), 0x70);
 }
 
+TEST_F(SimulatedMpu6500Test, TheIcm20602HasTheTemperatureInItsFifo) {
+  SimulatedIcm20602 chip(clock_);
+  EXPECT_EQ(chip.read_register(0x75), 0x12);
+  EXPECT_EQ(chip.read_register(0x6B), 0x41);
+  chip.write_register(0x6B, 0x01);
+  chip.write_register(0x23, 0x10);
+  chip.write_register(0x6A, 0x40);
+  clock_.advance(core::Duration::seconds(1));
+  chip.measure({deg_per_s(10.0F), {}, {}}, core::Temperature::from_degc(35.0F));
+  EXPECT_EQ(sim::read_word(chip, 0x72), 8);
+  chip.write_register(0x23, 0x18);
+  chip.measure({}, core::Temperature::from_degc(25.0F));
+  EXPECT_EQ(sim::read_word(chip, 0x72), 22);
+  const auto pop = [&] {
+    const unsigned high = chip.read_register(0x74);
+    return static_cast<int>(high << 8U | chip.read_register(0x74));
+  };
+  EXPECT_EQ(pop(), 3268) << "temperature first";
+  EXPECT_EQ(pop(), 1311);
+  for (int i = 0; i < 200; ++i) chip.measure({}, kRoom21);
+  EXPECT_EQ(sim::read_word(chip, 0x72), 1008);
+  chip.write_register(0x24, 0x00);
+  EXPECT_EQ(chip.reserved_writes(), 1U) << "no I2C master";
+}
+
 }  // namespace
 }  // namespace zerorate::hal::sim

@@ -62,6 +62,9 @@ TEST(SignalOfACanFrame, IsNoneInAFrameThatIsTooShort) {
 TEST(ChipOfIio, IsTheOneWhoseNameTheDeviceBears) {
   EXPECT_EQ(chip_of_iio("lsm6dso_gyro"), "lsm6dso");
   EXPECT_EQ(chip_of_iio("bmi088_gyro"), "bmi088");
+  EXPECT_EQ(chip_of_iio("lsm6dsox_gyro"), "lsm6dsox");
+  EXPECT_EQ(chip_of_iio("lsm6ds3tr-c_gyro"), "lsm6ds3tr-c");
+  EXPECT_EQ(chip_of_iio("icm42605-gyro"), "icm42605");
   EXPECT_EQ(chip_of_iio("iio:device0"), "");
 }
 

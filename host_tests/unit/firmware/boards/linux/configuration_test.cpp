@@ -160,8 +160,8 @@ TEST(ConfigurationWithAMistake, IsRefusedWithPlaceAndExpected) {
       {with("user = ", "name = \"a b\"\nuser = "),
        "z.toml:2:8: \"name\": expected 1 to 32 letters"},
       {with("user", "usr"), "z.toml:2:1: unknown key \"usr\"; did you mean \"user\"?"},
-      {with("chip = \"lsm6dso\"", "chip = \"lsm6ds\""),
-       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6ds\" (known are simulated" + all_chips() +
+      {with("chip = \"lsm6dso\"", "chip = \"lsm6dzo\""),
+       "z.toml:4:8: \"chip\" in [gyro]: no chip \"lsm6dzo\" (known are simulated" + all_chips() +
            "); did you mean \"lsm6dso\"?"},
       {with("bus = \"i2c\"", "bus = \"simulated\""),
        "z.toml:5:7: \"bus\" in [gyro]: expected \"spi\", \"i2c\", \"iio\", \"udp\" or "
