@@ -44,10 +44,11 @@ struct ComparisonOptions {
 /// where there are fewer than evaluate::kFewestDrivesOfARatio logs.
 struct ContestantScore {
   std::string name;
-  double stop_error_rad_s = 0.0;              ///< error of the next stop's bias, root mean square
-  statistics::BootstrapFigure stop_ratio;     ///< over the rival's
-  double heading_error_rad = 0.0;             ///< over the drives; NaN without a reference
-  statistics::BootstrapFigure heading_ratio;  ///< over the rival's; NaN without a reference
+  double stop_error_rad_s = 0.0;           ///< error of the next stop's bias, root mean square
+  statistics::BootstrapFigure stop_ratio;  ///< error over that of the rival
+  double heading_error_rad = 0.0;          ///< root mean square; NaN without a reference
+  statistics::BootstrapFigure
+      heading_ratio;  ///< error over that of the rival; NaN without a reference
 };
 
 /// Quantity that the logs hold and the model leaves out.

@@ -30,7 +30,7 @@ std::string verdict_on(const Comparison& comparison) {
       word, rival, ratio.value, ratio.lo, ratio.hi);
 }
 
-/// What would help, and what cannot be seen.
+/// Sentences on what would help, and on what cannot be seen.
 std::vector<std::string> advice_on(const Comparison& comparison) {
   std::vector<std::string> advice;
   for (const UnusedInput& input : comparison.unused_inputs) {

@@ -117,6 +117,33 @@ TEST(StrayStamp, IsLeftOut) {
   }
 }
 
+// A later stamp that strays as well lies beyond the first.
+TEST(StrayStamps, AreLeftOutOneBesideTheOther) {
+  Stamps stamps;
+  stamps.add_even(100.0, 0.1, 500);
+  stamps.add(46'140.0);
+  stamps.add_even(150.1, 0.1, 1'000);
+  stamps.add(56'863.0);
+  stamps.add_even(250.2, 0.1, 500);
+  const auto reading = stamps.read();
+  EXPECT_EQ(reading.time_s.size(), 2'000U);
+  EXPECT_EQ(reading.findings.count(Finding::time_stray), 2U);
+  EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
+}
+
+TEST(StrayStamp, IsLeftOutWhereTheCounterBeginsAgain) {
+  constexpr double kRange_s = 16.777216;  // 2^24 microseconds
+  Stamps stamps;
+  stamps.add_even(10.0, 0.01, 677);  // up to 16.76
+  stamps.add(210'668.0);
+  for (int k = 0; k < 3'000; ++k) stamps.add(std::fmod(16.78 + 0.01 * k, kRange_s));
+  const auto reading = stamps.read();
+  ASSERT_EQ(reading.time_s.size(), 3'677U);
+  EXPECT_EQ(reading.findings.count(Finding::time_stray), 1U);
+  EXPECT_EQ(reading.findings.count(Finding::time_sorted), 0U);
+  EXPECT_NEAR(reading.time_s.back(), 10.0 + 6.78 + 0.01 * 2'999, 1e-6);
+}
+
 TEST(SamplesThatShareAStamp, AreSpreadEvenly) {
   Stamps stamps;
   for (int second = 0; second < 20; ++second) {
