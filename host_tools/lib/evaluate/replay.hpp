@@ -100,7 +100,7 @@ struct ReplayedStop {
   std::array<double, 3> measured_rad_s{};
   /// Measured bias less the predicted one, by axis and predictor; NaN where there was none.
   std::array<std::array<double, app::kPredictors>, 3> error_rad_s{};
-  std::array<std::array<double, app::kPredictors>, 3> sigma_rad_s{};  ///< as StopScores::add()
+  std::array<std::array<double, app::kPredictors>, 3> sigma_rad_s{};  ///< see StopScores::add()
 };
 
 /// Scale factor and offset that references taught a node by the end, and their outcomes.
