@@ -251,7 +251,7 @@ class Recording(Folder):
         for arguments, code, words in [
                 (["--chip", "simulated", "--duration", "3s"], 3, "--resume"),
                 (["--chip", "simulated", "--duration", "3s", "--resume"], 3, "no whole part of a recording"),
-                (["--chip", "lsm6ds0", "--i2c", "no-i2c"], 3, 'did you mean "lsm6dso"'),
+                (["--chip", "icm4268", "--i2c", "no-i2c"], 3, 'did you mean "icm42688"'),
                 (["--chip", "lsm6dso", "--i2c", "no-i2c"], 3, "rate_hz"),
                 (["--chip", "lsm6dso", "--udp", "4"], 2, "excludes"),
                 (["--i2c", "no-i2c"], 2, "--chip"),
