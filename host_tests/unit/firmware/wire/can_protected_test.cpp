@@ -1,5 +1,5 @@
 /// @file
-/// The protected frames: profile 11 against the published examples and a polynomial division, and
+/// The protected frames: profile 11 against examples of others and a polynomial division, and
 /// signals where the tables of the documents put them.
 
 #include "firmware/wire/can_protected.hpp"
