@@ -31,7 +31,7 @@ enum class OutputDataRate : std::uint8_t {
   hz_1600 = 12,
 };
 
-/// The chip clips here.
+/// Count at which the chip clips.
 inline constexpr std::int16_t kFullScaleRaw = 32767;
 
 /// The rate of one LSB: full scale by 2^15. The data sheet rounds its inverse to one digit.
@@ -58,7 +58,7 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x03, g_4 = 0x05, g_8 = 0x08
   return core::standard_gravity(16.0F / 32768.0F);
 }
 
-/// 512 LSB a degree, 0 at 23 degC.
+/// Temperature of a count: 512 LSB a degree, 0 at 23 degC.
 [[nodiscard]] constexpr core::Temperature decode_temperature(std::int16_t raw) {
   return core::Temperature::from_degc(23.0F + static_cast<float>(raw) * (1.0F / 512.0F));
 }
@@ -68,12 +68,13 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x03, g_4 = 0x05, g_8 = 0x08
   return (status & bits::kStatusAlwaysZero) == 0 && (status & bits::kStatusNvmRdy) != 0;
 }
 
-/// GYR_CONF and ACC_CONF: this rate, and a filter below half of it.
+/// GYR_CONF or ACC_CONF for this rate, with a filter below half of it.
 [[nodiscard]] constexpr std::uint8_t encode_conf(OutputDataRate rate) {
   return static_cast<std::uint8_t>(bits::kBandwidthNormal | static_cast<unsigned>(rate));
 }
 
-/// FIFO_CONFIG_0, in units of four bytes: above that of one frame less, and not above these frames.
+/// FIFO_CONFIG_0 for a watermark of so many frames, in units of four bytes, rounded down: above the
+/// level of one frame less, and not above that of these frames.
 [[nodiscard]] constexpr std::uint8_t encode_watermark(unsigned frames, unsigned frame_bytes) {
   return static_cast<std::uint8_t>(frames * frame_bytes / 4U);
 }
@@ -81,13 +82,13 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x03, g_4 = 0x05, g_8 = 0x08
 /// Level of the FIFO.
 struct FifoLevel {
   std::uint16_t frames;  ///< complete frames that wait
-  bool is_whole;         ///< there are no bytes beside them
-  bool is_overrun;       ///< frames were lost, or are about to be
-  bool is_plausible;     ///< the FIFO can hold so much
+  bool is_whole;         ///< whether there are no bytes beside them
+  bool is_overrun;       ///< whether frames were lost, or are about to be
+  bool is_plausible;     ///< whether the FIFO can contain so much
 };
 
-/// FIFO_LENGTH_0 and 1. A frame is six or twelve bytes, which 1024 is no multiple of. Room for
-/// three frames is kept free: the chip does not tell that it dropped the oldest.
+/// Level by FIFO_LENGTH_0 and 1. A frame has six or twelve bytes; 1024 is no multiple of either.
+/// Room for three frames is kept free: nothing shows that the chip dropped the oldest.
 [[nodiscard]] constexpr FifoLevel decode_fifo_length(std::uint8_t low, std::uint8_t high,
                                                      unsigned frame_bytes) {
   const auto bytes = static_cast<unsigned>(low | (high << 8U));
@@ -95,7 +96,7 @@ struct FifoLevel {
           bytes + 3 * frame_bytes > kFifoBytes, bytes <= kFifoBytes};
 }
 
-/// Nominal: the chip has no trim register.
+/// Nominal period: the chip has no trim register.
 [[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
   constexpr unsigned kCodeOf1600Hz = 12;
   return core::Duration::microseconds(std::int64_t{625}

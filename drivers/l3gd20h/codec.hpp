@@ -16,11 +16,11 @@ namespace zerorate::drivers::l3gd20h {
 /// Part of the family, by the name in its data sheet.
 enum class Part : std::uint8_t { l3gd20h, l3gd20, l3g4200d };
 
-/// Figures in which the chips differ.
+/// Figures that differ between the chips.
 struct Variant {
   std::uint8_t identity;   ///< answer of WHO_AM_I
   std::uint8_t lowest_hz;  ///< output data rate of code 0; each code above it doubles the rate
-  bool has_low_odr;        ///< LOW_ODR at 39h
+  bool has_low_odr;        ///< whether there is a register LOW_ODR (39h)
 };
 
 /// Variants in the order of Part.
@@ -37,7 +37,7 @@ enum class FullScale : std::uint8_t { dps_250 = 0x00, dps_500 = 0x10, dps_2000 =
 /// Output data rate as a multiple of the lowest one; the values are the code of DR.
 enum class OutputDataRate : std::uint8_t { times_1 = 0, times_2 = 1, times_4 = 2, times_8 = 3 };
 
-/// In every range the nominal full scale is this many LSB: 250 / 0.00875 = 500 / 0.0175 = ...
+/// Nominal full scale in LSB, the same in every range: 250 / 0.00875 = 500 / 0.0175 = ...
 inline constexpr std::int16_t kFullScaleRaw = 28571;
 
 /// The rate of one LSB: 8.75, 17.5, 70 mdps.
@@ -53,16 +53,16 @@ inline constexpr std::int16_t kFullScaleRaw = 28571;
   return core::deg_per_s(70e-3F);
 }
 
-/// CTRL1: the sensor runs at this rate. The bandwidth is that of LPF1, which follows from the rate.
+/// CTRL1 for a sensor that runs at this rate. The bandwidth is that of LPF1, and follows from it.
 [[nodiscard]] constexpr std::uint8_t encode_ctrl1(OutputDataRate rate) {
   return static_cast<std::uint8_t>((static_cast<unsigned>(rate) << 6U) | bits::kCtrl1On);
 }
 
-/// FIFO_SRC.
+/// Content of FIFO_SRC.
 struct FifoStatus {
   std::uint8_t frames;  ///< complete frames that wait, at most 31 where is_full is false
-  bool is_full;         ///< 32 frames: the next one overwrites the oldest, or has done so
-  bool is_plausible;    ///< the FIFO is not empty and filled at the same time
+  bool is_full;         ///< whether 32 wait: the next one overwrites the oldest, or has done so
+  bool is_plausible;    ///< false where the FIFO is empty and filled at the same time
 };
 [[nodiscard]] constexpr FifoStatus decode_fifo_src(std::uint8_t value) {
   const auto frames = static_cast<std::uint8_t>(value & bits::kFifoSrcLevel);
@@ -71,7 +71,7 @@ struct FifoStatus {
   return {frames, is_full, !is_empty || (frames == 0 && !is_full)};
 }
 
-/// Nominal: the chip has no trim register.
+/// Nominal period: the chip has no trim register.
 [[nodiscard]] constexpr core::Duration sample_period(const Variant& variant, OutputDataRate rate) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   const std::int64_t rate_hz = std::int64_t{variant.lowest_hz} << static_cast<unsigned>(rate);

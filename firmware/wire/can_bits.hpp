@@ -29,18 +29,18 @@ class CanBitWriter {
   std::size_t at_ = 0;
 };
 
-/// Content of a signal with a sign for which there is no value: its lowest.
+/// Content for "not available" of a signal with a sign: its lowest.
 [[nodiscard]] constexpr std::uint32_t can_not_available_signed(std::size_t bits) {
   return std::uint32_t{1} << (bits - 1);
 }
-/// Content of a signal without a sign for which there is no value: all bits set.
+/// Content for "not available" of a signal without a sign: all bits set.
 [[nodiscard]] constexpr std::uint32_t can_not_available_unsigned(std::size_t bits) {
   return 0xFFFFFFFFU >> (32 - bits);
 }
 
 namespace detail {
-/// Greatest count that the magnitude of a signal of so many bits may have; single precision rounds
-/// larger limits down to what it can represent, so that a count below them fits.
+/// Limit of the magnitude of a signal of so many bits, rounded down to what single precision can
+/// represent, so that a count below it fits.
 [[nodiscard]] constexpr float greatest_can_count(std::size_t bits) {
   constexpr std::size_t kMantissa = 24;
   const std::uint32_t all = can_not_available_unsigned(bits);

@@ -17,7 +17,7 @@
 
 namespace zerorate::wire {
 
-/// Eight bytes with an 11-bit identifier.
+/// Classic frame of eight bytes with an 11-bit identifier.
 struct CanFrame {
   std::uint16_t id = 0;
   std::array<std::uint8_t, 8> data{};
@@ -25,7 +25,7 @@ struct CanFrame {
   constexpr bool operator==(const CanFrame&) const = default;
 };
 
-/// The frames of one message: x, y, z, then the status that makes the three valid.
+/// Number of frames of one message: x, y, z, then the status that makes the three valid.
 inline constexpr std::size_t kCanFrames = 4;
 /// Identifier of the status frame unless set otherwise; the axes follow it.
 inline constexpr std::uint16_t kDefaultCanId = 0x200;
@@ -44,7 +44,7 @@ inline constexpr std::uint16_t kCanExplainedOffset = 11;
 inline constexpr std::size_t kCanExplainedFrames = 3;
 /// Identifier of the frame of the turn about the vertical, from that of the status frame.
 inline constexpr std::uint16_t kCanVerticalTurnOffset = 14;
-/// Greatest identifier of the status frame: the last frame must still have 11 bits.
+/// Greatest identifier of the status frame: that of the last frame must still have 11 bits.
 inline constexpr std::uint16_t kGreatestCanId = 0x7FF - kCanVerticalTurnOffset;
 /// Messages from one frame of the inputs and of the explained bias to the next: they change slowly,
 /// and the bus is shared.

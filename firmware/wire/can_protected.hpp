@@ -1,6 +1,6 @@
 /// @file
-/// Frames with everything that a vehicle's controller needs of one sample, protected end to end:
-/// eight bytes of the yaw rate, and 24 bytes of CAN FD with all three axes.
+/// One sample in one frame for a vehicle's controller, protected end to end: eight bytes of the yaw
+/// rate, or 24 bytes of CAN FD with all three axes.
 #pragma once
 
 #include <array>
@@ -28,11 +28,12 @@ struct CanFdFrame {
 
 inline constexpr float kCanYawRateLsbDegPerS = 1e-4F;
 inline constexpr float kCanFdRateLsbDegPerS = 2e-5F;
-/// Class k of the deviation: at most kSigmaClassDegPerS times 2^k.
+/// Limit of class 0 of the deviation; that of class k is 2^k times as large.
 inline constexpr float kSigmaClassDegPerS = 1e-4F;
-/// Class of a deviation that is not known, or larger than that of the class before.
+/// Class of a deviation that is not known, or larger than the limit of class 14.
 inline constexpr std::uint8_t kSigmaClassNotAvailable = 15;
 
+/// Class of a deviation: the first with a limit that is not smaller.
 [[nodiscard]] constexpr std::uint8_t sigma_class(core::AngularRate sigma) {
   float limit = kSigmaClassDegPerS;
   std::uint8_t index = 0;
@@ -44,7 +45,8 @@ inline constexpr std::uint8_t kSigmaClassNotAvailable = 15;
   return index;
 }
 
-/// Deviation of the yaw rate's bias. Errors of the three axes are taken as independent.
+/// Deviation of the yaw rate's bias, of a message with `up`. Errors of the three axes are taken as
+/// independent.
 [[nodiscard]] constexpr core::AngularRate vertical_sigma(const app::RateMessage& message) {
   float variance = 0.0F;
   for (std::size_t i = 0; i < message.axes.size(); ++i) {
@@ -58,7 +60,7 @@ inline constexpr std::uint8_t kSigmaClassNotAvailable = 15;
 }
 
 namespace detail {
-/// Whether rates are corrected, and no lower bounds.
+/// Whether the rates are corrected, and no axis is at full scale.
 [[nodiscard]] constexpr bool are_rates_valid(const app::RateMessage& message) {
   return message.has_rate() && message.health.calibrated && !message.health.saturated;
 }
@@ -76,7 +78,7 @@ namespace detail {
 }
 }  // namespace detail
 
-/// The frame of the yaw rate: all that is sent in its layout.
+/// Frame of the yaw rate, the only one of its layout.
 /// @param numbered  its number counts the messages on this bus
 /// @param id        identifier of the frame
 [[nodiscard]] constexpr CanFrame encode_can_yaw(const NumberedMessage& numbered, std::uint16_t id,
@@ -96,7 +98,7 @@ namespace detail {
   return frame;
 }
 
-/// The frame of CAN FD, in the place of the status frame and those of the axes.
+/// Frame of CAN FD, in place of the status frame and those of the axes.
 /// @param numbered  its number counts the messages on this bus
 /// @param id        identifier of the frame; those of turn, inputs and so on follow it
 [[nodiscard]] constexpr CanFdFrame encode_can_fd(const NumberedMessage& numbered, std::uint16_t id,

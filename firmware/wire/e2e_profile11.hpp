@@ -1,5 +1,6 @@
 /// @file
-/// End-to-end protection of a frame as of profile 11 of AUTOSAR (PRS_E2EProtocol, foundation).
+/// End-to-end protection of a frame as of profile 11 of AUTOSAR (PRS_E2EProtocol, Foundation;
+/// second-hand: two open implementations, which docs/how-to/put-rates-on-can.md names).
 #pragma once
 
 #include <cstddef>
@@ -10,10 +11,10 @@
 
 namespace zerorate::wire {
 
-/// How the identifier of the data takes part.
+/// Part of the identifier of the data in the frame and in the CRC.
 enum class E2eVariant : std::uint8_t {
-  both,    ///< 11A: 16 bits, which stand in no frame and are in the CRC alone
-  nibble,  ///< 11C: 12 bits; the upper four stand in the frame, the lower eight in the CRC alone
+  both,    ///< 11A: 16 bits in the CRC alone
+  nibble,  ///< 11C: 12 bits, the upper four in the frame, the lower eight in the CRC alone
 };
 
 /// Protection of one frame.
@@ -22,15 +23,15 @@ struct E2eSettings {
   E2eVariant variant = E2eVariant::nibble;
 };
 
-/// Data of the profile, header included: at most 240 bits.
+/// Longest data of the profile, header included: 240 bits.
 inline constexpr std::size_t kMostE2eBytes = 30;
-/// CRC, and the counter below the nibble.
+/// Length of the header: a byte of the CRC, and one of the counter and the nibble.
 inline constexpr std::size_t kE2eHeaderBytes = 2;
-/// The counter runs from 0 to 14; 15 is never sent.
+/// Number of counts: the counter runs from 0 to 14, and 15 is never sent.
 inline constexpr std::uint8_t kE2eCounts = 15;
 
-/// One more byte of the CRC-8 of SAE J1850: polynomial 0x1D, highest bit first. The profile starts
-/// at 0 and inverts nothing.
+/// CRC-8 of SAE J1850 with one more byte: polynomial 0x1D, highest bit first. The profile starts at
+/// 0 and inverts nothing: start and final inversion of AUTOSAR's Crc_CalculateCRC8 cancel out.
 [[nodiscard]] constexpr std::uint8_t e2e_crc8(std::uint8_t crc, std::uint8_t byte) {
   constexpr unsigned kPolynomial = 0x1D;
   unsigned rest = static_cast<unsigned>(crc) ^ byte;
@@ -48,7 +49,7 @@ inline constexpr std::uint8_t kE2eCounts = 15;
   return crc;
 }
 
-/// Writes the header: byte 0 the CRC, byte 1 the counter, and above it the nibble (0 in 11A).
+/// Writes the header: in byte 0 the CRC, in byte 1 the counter and above it the nibble (0 in 11A).
 /// @param frame    its first two bytes are the header's
 /// @param counter  below kE2eCounts, one more for each frame
 constexpr void e2e_protect(std::span<std::uint8_t> frame, const E2eSettings& e2e,

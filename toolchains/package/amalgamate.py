@@ -43,15 +43,22 @@ makes an instance smaller.
 
 The compiler decides: GCC 11 or clang 13 and later, as C++20, with the headers of a C++ library, `int` of 32 bits. No target of
 this list was built with its maker's tools; Arm Cortex-M, RISC-V (both run in emulators) and Xtensa (an object) were compiled with
-Debian's GCC 12.
+Debian's GCC 12. The versions are those of the makers' release notes and package lists:
 
-| target | |
+| target | compiler |
 |---|---|
-| ESP32 with ESP-IDF 5 or Arduino core 3 | GCC 12 and later |
-| ESP32 with Arduino core 2, and PlatformIO's `espressif32` with the framework `arduino` | no: GCC 8.4 |
-| RP2040, RP2350, STM32, SAMD, nRF52 with a core that has GCC 11 or later | where the core compiles as C++17, put `compiler.cpp.extra_flags=-std=gnu++20` into the core's `platform.local.txt` |
+| ESP-IDF 5.0 and later | GCC 11.2 and later |
+| Arduino, Espressif's core for the ESP32, 3.0 and later | GCC 12.2 and later |
+| Arduino, that core before 3.0; PlatformIO's own `espressif32` with the framework `arduino` | no: GCC 8.4. In PlatformIO take the platform `pioarduino`, which has core 3 |
+| Arduino, Philhower's core for RP2040 and RP2350, 3.4 and later | GCC 12.3 and later |
+| Arduino, ST's core for STM32, 2.5 and later | GCC 12.2 and later |
+| Arduino's own cores for SAMD and RP2040 (Mbed) | no: GCC 7.2 |
+| Arduino, Adafruit's core for the nRF52 | no: GCC 9 |
+| PlatformIO, `ststm32` and `nordicnrf52` | older than GCC 11 in the versions seen: name a newer `toolchain-gccarmnoneeabi` in `platform_packages` |
 | AVR (Uno, Nano, Mega) | no: no C++ library, 2 KiB of RAM |
-| ESP8266 | no: GCC 10 |
+| ESP8266 | no: GCC 10.3 |
+
+Where an Arduino core compiles as C++17 or older, put `compiler.cpp.extra_flags=-std=gnu++20` into its `platform.local.txt`.
 
 An instance takes 14.5 KB of RAM with 12 hypotheses and 7.4 KB with one; smaller definitions, flash and stack:
 docs/reference/c-interface.md, memory and time.

@@ -35,14 +35,14 @@ struct Configuration {
   std::string name;  ///< name of the node in lines and metrics; empty: it is the only one
   std::string user;  ///< user of the process after a start as root; empty: unchanged
   GyroSettings gyro;
-  std::optional<MessageOrigin> samples;  ///< origin of the samples where the gyro is one by message
+  std::optional<MessageOrigin> samples;  ///< origin of the samples that another program sends
   std::optional<hal::linux_os::LineSettings> data_ready;
   std::optional<hal::linux_os::LineSettings> odometer;  ///< on a GPIO line
   std::optional<SpeedSettings>
-      speed;  ///< in its place; neither: the gyro alone decides what is rest
+      speed;  ///< in place of the line; without both the gyro alone decides what is rest
   core::OdometerTraits odometer_traits;
   std::optional<ReferenceSettings> reference;
-  std::string model_name;           ///< or its file
+  std::string model_name;           ///< name of the catalogue, or file
   bool states_scale_factor = true;  ///< false: the model leaves the default tolerance
   Node::Params node;
   std::optional<StateSettings> state;

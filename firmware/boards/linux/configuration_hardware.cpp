@@ -81,7 +81,7 @@ void read_i2c(StrictTable& table, const ChipDescription& chip, GyroSettings& gyr
 constexpr std::string_view kAccelerationRange = "acceleration_range_g";
 constexpr std::array<std::string_view, 5> kBuses{"spi", "i2c", "iio", "udp", "unix"};
 
-/// False where the table names none that exists.
+/// Reads the bus; false where the table names none of them.
 bool read_bus(StrictTable& table, GyroSettings& gyro, ErrorList& errors, Presence presence) {
   return errors.attempt(
       [&] { gyro.bus = static_cast<BusKind>(table.choice("bus", kBuses, presence).value_or(0)); });
@@ -106,7 +106,7 @@ void read_simulation(StrictTable& table, GyroSettings& gyro, ErrorList& errors) 
   errors.attempt([&] { gyro.drives = table.boolean("drives", Presence::optional).value_or(true); });
 }
 
-/// Whether the acceleration is to be read; its other keys stand beside that one only.
+/// Whether the acceleration is to be read. Refuses its range without it.
 bool reads_acceleration(StrictTable& table) {
   const bool is_on = table.boolean("acceleration", Presence::optional).value_or(false);
   const bool has_range = table.find(kAccelerationRange, "", Presence::optional) != nullptr;
@@ -123,7 +123,7 @@ void read_iio_acceleration(StrictTable& table, GyroSettings& gyro) {
       table.number(kAccelerationRange, kPositive, Presence::optional).value_or(kUsualRange_g);
 }
 
-/// A gyro of the kernel's: its chip may be one that we have no driver for.
+/// Reads a gyro of the kernel, also of a chip without a driver here.
 void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   constexpr double kUsualRange_dps = 250.0;
   errors.attempt([&] { gyro.device = *name_at(table, "device", Presence::required); });
@@ -143,7 +143,7 @@ void read_iio(StrictTable& table, GyroSettings& gyro, ErrorList& errors) {
   });
 }
 
-/// A gyro whose samples another program sends: of any chip, in its own units.
+/// Reads a gyro of any chip, with any rate and range: another program sends its samples.
 void read_by_message(StrictTable& table, Configuration& configuration, ErrorList& errors) {
   constexpr double kUsualRange_g = 4.0;
   GyroSettings& gyro = configuration.gyro;
@@ -285,7 +285,7 @@ core::OdometerTraits read_odometer_traits(StrictTable& table, ErrorList& errors)
 
 constexpr std::array<std::string_view, 4> kOdometerTypes{"gpio", "can", "udp", "unix"};
 
-/// Messages come in real time.
+/// Refuses messages, which come in real time, beside a gyro with a time of its own.
 void check_real_time(const StrictTable& table, const GyroSettings& gyro) {
   if (gyro.time_factor != 1.0) {
     table.fail_at("type", "messages come in real time: time_factor of [gyro] must be 1");

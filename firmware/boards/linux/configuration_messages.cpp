@@ -31,7 +31,7 @@ constexpr Rule kTimeout{[](double x) { return x > 0.0 && x <= 1e6; },
 constexpr Rule kPort{[](double x) { return x >= 1.0 && x <= 65535.0; },
                      "a whole number from 1 to 65535"};
 
-/// Keys by which the value of a count is stated.
+/// Keys that state the value of a count.
 struct ValueKeys {
   std::string_view scale;
   std::string_view offset;
@@ -39,7 +39,7 @@ struct ValueKeys {
 constexpr ValueKeys kSpeedKeys{.scale = "scale_mps", .offset = "offset_mps"};
 constexpr ValueKeys kHeadingKeys{.scale = "scale_deg", .offset = "offset_deg"};
 
-/// Bits of a signal in its frame.
+/// Reads the place of a signal in its frame.
 void read_bits(StrictTable& table, CanSignal& signal) {
   static constexpr std::array<std::string_view, 2> kOrders{"little", "big"};
   signal.start_bit =

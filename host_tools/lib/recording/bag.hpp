@@ -21,16 +21,16 @@ namespace zerorate::recording {
 /// packed fields in little-endian order in ROS 1.
 enum class Serialization : std::uint8_t { cdr, ros1 };
 
-/// Messages that are read.
-/// `bias` is not read: its topic shows that the node of ROS has corrected the rates beside it.
+/// Types of messages that count. Those of `bias` are not read: their topic shows that the node of
+/// ROS has corrected the rates beside it.
 enum class MessageType : std::uint8_t { imu, odometry, twist_stamped, twist, bias };
 
-/// Differences between the bags of the two.
+/// Differences between bags of ROS 1 and ROS 2.
 struct BagFormat {
   Serialization serialization;
-  std::string_view name;                  ///< for messages
+  std::string_view name;                  ///< name of the format, for errors
   std::array<std::string_view, 5> types;  ///< names of MessageType, in its order
-  std::string_view info_command;          ///< shows its user what a bag holds
+  std::string_view info_command;          ///< command that shows the content of a bag
 
   [[nodiscard]] std::string_view name_of(MessageType type) const {
     return types.at(static_cast<std::size_t>(type));
@@ -44,9 +44,9 @@ inline constexpr std::array<std::string_view, 5> kRos2Types{
     "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistStamped",
     "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistWithCovarianceStamped"};
 
-/// One message.
+/// Message of a bag.
 struct BagMessage {
-  std::int64_t recorded_ns = 0;      ///< since 1970
+  std::int64_t recorded_ns = 0;      ///< time of recording since 1970
   std::span<const std::byte> bytes;  ///< until the next message is read
 };
 
@@ -70,16 +70,16 @@ class Bag {
 /// of them. Throws Error, also for a .bag file where the build lacks the library for it.
 [[nodiscard]] std::unique_ptr<Bag> open_bag(const std::filesystem::path& path);
 
-/// Opens the database of a bag of ROS 2, or all of its folder in the order of their messages; null
+/// Opens the database of a bag of ROS 2, or all of a folder in the order of their messages; null
 /// where there is none. Throws Error.
 [[nodiscard]] std::unique_ptr<Bag> open_ros2_bag(const std::filesystem::path& path);
 
-/// Opens a bag of ROS 2 in MCAP, or all such files of its folder in the order of their messages;
-/// null where there is none. Chunks may be compressed by lz4 and zstd, where Debian's libraries are
-/// there. Throws Error.
+/// Opens a bag of ROS 2 in MCAP, or all such files of a folder in the order of their messages; null
+/// where there is none. Chunks may be compressed by lz4 and zstd, where the build has the libraries
+/// for them. Throws Error.
 [[nodiscard]] std::unique_ptr<Bag> open_mcap_bag(const std::filesystem::path& path);
 
-/// Opens a bag of ROS 1. Throws Error. Only where Debian's librosbag-storage is there.
+/// Opens a bag of ROS 1. Throws Error, also where the build lacks librosbag-storage.
 [[nodiscard]] std::unique_ptr<Bag> open_ros1_bag(const std::filesystem::path& path);
 
 /// Whether a file, which is no pipe, begins with this text.

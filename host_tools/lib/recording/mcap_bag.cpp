@@ -40,8 +40,7 @@ enum class Op : std::uint8_t {
 
 struct Damaged {};
 
-/// RecordFields of a record, little-endian. Each function throws Damaged where the record is too
-/// short.
+/// Fields of a record, little-endian. Each function throws Damaged where the record is too short.
 class RecordFields {
  public:
   explicit RecordFields(std::string_view bytes) : left_(bytes) {}
@@ -146,7 +145,7 @@ class Unpacker {
   std::string unpacked_;
 };
 
-/// Records of a file up to the end of its data, those of chunks in their places.
+/// Reads the records of a file up to the end of its data, those of chunks in their places.
 class RecordReader {
  public:
   /// Throws Error.
@@ -179,7 +178,8 @@ class RecordReader {
     }
   }
 
-  /// For a record that next() gave.
+  /// Error of a damaged record that next() gave.
+  /// @param place  place() before that call
   [[nodiscard]] Error damaged(std::uint64_t place) const {
     return bad(fmt::format("a damaged record behind byte {}", place), kRecover);
   }
@@ -227,10 +227,10 @@ class RecordReader {
   std::uint64_t place_ = 0;
   std::string content_;
   Unpacker unpacker_;
-  std::string_view in_chunk_;  ///< the rest of the chunk
+  std::string_view in_chunk_;  ///< records of the chunk that are left
 };
 
-/// Messages of CDR with their topics and types.
+/// Reads messages in CDR with their topics and types.
 class MessageReader {
  public:
   struct Channel {
@@ -298,7 +298,7 @@ class MessageReader {
   std::map<std::uint16_t, Channel> channels_;
 };
 
-/// One topic of the files of a bag, one file after the other.
+/// Reads one topic of a bag, one file after the other.
 class McapBag : public Bag {
  public:
   explicit McapBag(const std::vector<std::filesystem::path>& paths) {
@@ -367,7 +367,7 @@ class McapBag : public Bag {
       counts_;  ///< number of messages by topic and type
   std::string topic_;
   std::unique_ptr<MessageReader> open_;
-  std::size_t opened_ = 0;  ///< index in the files
+  std::size_t opened_ = 0;  ///< index of the open file
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ struct DbcFacts {
 };
 
 /// Sinks of one bus as a DBC file. Throws std::invalid_argument where two frames have one
-/// identifier or one name, and where a receiver's name is none of C.
+/// identifier or one name, and where a receiver's name is no identifier of C.
 [[nodiscard]] std::string format_dbc(std::span<const CanSettings> sinks, const DbcFacts& facts);
 
 }  // namespace zerorate::linux_node

@@ -1,5 +1,5 @@
 /// @file
-/// The protected frames: profile 11 against the published examples and a polynomial division, and
+/// The protected frames: profile 11 against examples of others and a polynomial division, and
 /// signals where the tables of the documents put them.
 
 #include "firmware/wire/can_protected.hpp"
@@ -28,7 +28,8 @@ std::array<std::uint8_t, 8> protected_zeros(const E2eSettings& e2e, std::uint8_t
 
 using EightBytes = std::array<std::uint8_t, 8>;
 
-/// PRS_E2EProtocol, "E2E Profile 11 protocol examples": data of zeros, identifier 0x123.
+/// PRS_E2EProtocol, "E2E Profile 11 protocol examples", as the tests of two open implementations
+/// have them (the packages autosar-e2e of Python and Rust): data of zeros, identifier 0x123.
 TEST(E2eProfile11, GivesThePublishedExamples) {
   EXPECT_EQ(protected_zeros(kBoth, 0), (EightBytes{0xCC, 0x00}));
   EXPECT_EQ(protected_zeros(kBoth, 1), (EightBytes{0x91, 0x01}));
