@@ -224,7 +224,7 @@ def manifests():
                      "the ESP8266.",
         "category": "Signal Input/Output",
         "url": "https://zerorate.invalid",
-        "architectures": "esp32,rp2040,stm32,samd,nrf52",
+        "architectures": "esp32,rp2040,stm32",
         "includes": "zerorate.h",
     }
     component = (f'# Not built by ESP-IDF: README.md.\nversion: "{version()}"\ndescription: "{DESCRIPTION}"\n'
