@@ -85,6 +85,12 @@ struct FifoStatus {
   return {frames, (status & bits::kFifoStatusOverrun) != 0, frames <= kFifoFrames};
 }
 
+/// FIFO_CONFIG_0: INT3 rises when the level exceeds it (DS001, 5.5.15).
+/// @param frames  at which it is to rise
+[[nodiscard]] constexpr std::uint8_t encode_watermark(std::uint8_t frames) {
+  return frames == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(frames - 1);
+}
+
 /// Nominal; the chip has no trim register.
 [[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
   switch (rate) {

@@ -149,7 +149,7 @@ class Bmi088 {
         configure(kInt3Int4IoConf, b::kIoConfInt3, b::kIoConfInt3ActiveHigh),
         configure(kInt3Int4IoMap, b::kIoMapAll, is_fifo ? b::kIoMapInt3Fifo : b::kIoMapInt3Data),
         configure(kGyroIntCtrl, b::kIntCtrlBoth, is_fifo ? b::kIntCtrlFifoEn : b::kIntCtrlDataEn),
-        configure(kFifoConfig0, 0xFF, settings.fifo_watermark),
+        configure(kFifoConfig0, 0xFF, encode_watermark(settings.fifo_watermark)),
         // Last: writing it clears the FIFO. It stops when it is full, because a chip in stream mode
         // that overran was seen to shift its axes by one (README).
         configure(kFifoConfig1, b::kFifoConfig1Mode, b::kFifoModeStopOnFull),

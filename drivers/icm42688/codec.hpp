@@ -109,7 +109,7 @@ inline constexpr std::uint8_t kHeaderContent = 0xF0;
                                    static_cast<unsigned>(rate));
 }
 
-/// Nominal; the chip's oscillator may be 1 % off.
+/// Nominal; the chip's oscillator may be 1.5 % off at 25 degC (DS-000347, table 4).
 [[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
   switch (rate) {
     case OutputDataRate::hz_12_5:

@@ -35,8 +35,9 @@ inline constexpr Register<0x75, Access::read_only, 0x70> kWhoAmI;
 
 /// Bits and fields, named register_field.
 namespace bits {
-// FIFO_MODE, of the MPU-6500 alone, FSYNC and the low-pass filter.
-inline constexpr std::uint8_t kConfigAll = 0x7F;
+// FIFO_MODE, of the MPU-6500 alone, FSYNC and the low-pass filter; bit 7 of an ICM-20602 is 1 after
+// reset and has to be cleared.
+inline constexpr std::uint8_t kConfigAll = 0xFF;
 // Self-test, range, and FCHOICE_B, of the MPU-6500 alone, which would go round the filter.
 inline constexpr std::uint8_t kGyroConfigAll = 0xFB;
 // Self-test, range; an MPU-6050 has its high-pass filter in bits 2:0.

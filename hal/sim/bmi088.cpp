@@ -175,10 +175,10 @@ void SimulatedBmi088::drive_int3(bool is_new_sample) {
   const unsigned map = registers_[int3_int4_io_map];
   const unsigned enabled = registers_[gyro_int_ctrl];
   const unsigned watermark = registers_[fifo_config_0] & 0x7FU;
-  const bool is_watermark_on = (map & 0x04U) != 0 && (enabled & 0x40U) != 0 &&
-                               (registers_[fifo_wm_enable] & 0x80U) != 0 && watermark > 0;
+  const bool is_watermark_on =
+      (map & 0x04U) != 0 && (enabled & 0x40U) != 0 && (registers_[fifo_wm_enable] & 0x80U) != 0;
   const bool is_data_on = (map & 0x01U) != 0 && (enabled & 0x80U) != 0;
-  const bool is_at_watermark = is_watermark_on && fifo_.size() >= watermark;
+  const bool is_at_watermark = is_watermark_on && fifo_.size() > watermark;
   interrupt_.drive(is_at_watermark || (is_data_on && is_new_sample), clock_->now());
   interrupt_.drive(is_at_watermark, clock_->now());
 }

@@ -67,7 +67,7 @@ double g_per_lsb(std::uint8_t range) {
 void SimulatedBmi160::reset_registers() {
   registers_.fill(0);
   registers_[chip_id] = 0xD1;
-  registers_[status] = 0x10;             // nvm_rdy
+  registers_[status] = 0x11;             // nvm_rdy, and the reserved bit 0
   registers_[temperature_0 + 1] = 0x80;  // invalid
   registers_[acc_conf] = 0x28;
   registers_[acc_range] = 0x03;

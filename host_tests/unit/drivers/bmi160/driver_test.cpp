@@ -50,6 +50,7 @@ TEST(Bmi160Temperature, Is23DegreesAtZero) {
 
 TEST(Bmi160Status, IsPlausibleOnALiveLine) {
   EXPECT_TRUE(bmi160::is_plausible(0x10));
+  EXPECT_TRUE(bmi160::is_plausible(0x11)) << "bit 0 is 1 after a reset";
   EXPECT_TRUE(bmi160::is_plausible(0xDA));
   EXPECT_FALSE(bmi160::is_plausible(0x00));
   EXPECT_FALSE(bmi160::is_plausible(0xFF));

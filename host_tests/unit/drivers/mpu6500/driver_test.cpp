@@ -221,7 +221,7 @@ TEST(Icm20602, HasTheSwitchOfI2cInARegisterOfItsOwn) {
   EXPECT_EQ(spi.chip.read_register(0x70), 0x40);  // I2C_IF
   EXPECT_EQ(spi.chip.read_register(0x6A), 0x40);  // USER_CTRL: FIFO on
   EXPECT_EQ(spi.chip.read_register(0x23), 0x10);  // FIFO_EN: gyro and temperature
-  EXPECT_EQ(spi.chip.read_register(0x1A), 0x83);  // CONFIG: 41 Hz; bit 7 is not ours
+  EXPECT_EQ(spi.chip.read_register(0x1A), 0x03);  // CONFIG: 41 Hz; bit 7 is cleared
   support::GyroRig<support::OverI2c<support::Icm20602>> i2c;
   ASSERT_TRUE(i2c.start());
   EXPECT_EQ(i2c.chip.read_register(0x70), 0x00);

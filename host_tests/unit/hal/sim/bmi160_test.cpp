@@ -40,7 +40,7 @@ class SimulatedBmi160Test : public ::testing::Test {
 TEST_F(SimulatedBmi160Test, SaysWhoItIsAndSleeps) {
   EXPECT_EQ(chip_.read_register(0x00), 0xD1);
   EXPECT_EQ(chip_.read_register(0x03), 0x00);
-  EXPECT_EQ(chip_.read_register(0x1B), 0x10);
+  EXPECT_EQ(chip_.read_register(0x1B), 0x11);
   EXPECT_EQ(chip_.read_register(0x42), 0x28);
   measure_x(10.0F);
   EXPECT_EQ(read_word(0x0C), 0);
@@ -82,11 +82,11 @@ TEST_F(SimulatedBmi160Test, MeasuresSpecificForceInFourRanges) {
 TEST_F(SimulatedBmi160Test, DataReadyFallsWhenTheDataAreRead) {
   power_up();
   measure_x(1.0F);
-  EXPECT_EQ(chip_.read_register(0x1B), 0xD0);
+  EXPECT_EQ(chip_.read_register(0x1B), 0xD1);
   (void)read_word(0x0C);
-  EXPECT_EQ(chip_.read_register(0x1B), 0x90);
+  EXPECT_EQ(chip_.read_register(0x1B), 0x91);
   (void)read_word(0x12);
-  EXPECT_EQ(chip_.read_register(0x1B), 0x10);
+  EXPECT_EQ(chip_.read_register(0x1B), 0x11);
 }
 
 TEST_F(SimulatedBmi160Test, FifoHasTheGyroInFrontAndDropsTheOldest) {
