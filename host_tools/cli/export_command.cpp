@@ -81,7 +81,7 @@ ExitCode run_export(const ExportFlags& flags) {
   if (!flags.dbc.empty()) return run_dbc(flags);
   if (flags.model.empty()) throw std::invalid_argument("expected MODEL, or --dbc CONFIG");
   if (!flags.cpp && !flags.c) throw std::invalid_argument("expected --cpp or --c: the language");
-  if (flags.sample_rate_hz == 0.0) throw std::invalid_argument("expected --sample-rate");
+  if (flags.sample_rate_hz == 0.0) throw std::invalid_argument("--sample-rate is required");
   model::SensorModel model = model::for_node(model::load_model(flags.model), flags.accelerometer);
   if (flags.hypotheses) {
     if (!model.learning) model.learning.emplace();

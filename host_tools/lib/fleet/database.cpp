@@ -33,6 +33,8 @@ CREATE TABLE cause(hash TEXT, axis TEXT, place INTEGER, effect TEXT NOT NULL,
   gain_nats REAL NOT NULL, p_value REAL NOT NULL, probability REAL NOT NULL,
   may_be_order INTEGER NOT NULL, PRIMARY KEY(hash, axis, place)) WITHOUT ROWID;
 )";
+/// Name of SQLite for a database of this process alone, without a file.
+constexpr const char* kInMemory = ":memory:";
 /// Tables with the columns of their keys.
 constexpr std::array kTables = {std::pair{"meta", "1"}, std::pair{"recording", "1"},
                                 std::pair{"axis", "1, 2"}, std::pair{"cause", "1, 2, 3"}};
@@ -64,7 +66,7 @@ void Database::Closer::operator()(sqlite3* database) const {
 }
 
 Database::Database(const std::filesystem::path& path, Access access) : path_(path) {
-  if (access == Access::write) lock_ = std::make_unique<const WriterLock>(path);
+  if (access == Access::write && path != kInMemory) lock_ = std::make_unique<const WriterLock>(path);
   // Also to be read: what a process that was killed has left half is rolled back.
   const int flags = SQLITE_OPEN_READWRITE | (access == Access::write ? SQLITE_OPEN_CREATE : 0);
   sqlite3* handle = nullptr;
