@@ -236,7 +236,7 @@ TEST(MotionAtRest, IsFoundWhereTheVehicleCreepsAndLeftOut) {
   leave_out_motion(samples, motion);
   EXPECT_EQ(samples.after_drives.size(), std::size_t{kStops} - 1);
   for (const auto& rate : samples.rate_rad_s) EXPECT_LT(double{rate[2]}, 10.0 * kSigma_rad_s);
-  EXPECT_EQ(samples.time.size() + samples.moving, std::size_t{kStops * kSamplesOfStop});
+  EXPECT_EQ(samples.time.size() + samples.moving, std::size_t{kStops} * kSamplesOfStop);
 }
 
 }  // namespace
