@@ -66,7 +66,8 @@ void Database::Closer::operator()(sqlite3* database) const {
 }
 
 Database::Database(const std::filesystem::path& path, Access access) : path_(path) {
-  if (access == Access::write && path != kInMemory) lock_ = std::make_unique<const WriterLock>(path);
+  if (access == Access::write && path != kInMemory)
+    lock_ = std::make_unique<const WriterLock>(path);
   // Also to be read: what a process that was killed has left half is rolled back.
   const int flags = SQLITE_OPEN_READWRITE | (access == Access::write ? SQLITE_OPEN_CREATE : 0);
   sqlite3* handle = nullptr;
