@@ -76,7 +76,7 @@ std::vector<identify::RestSamples> read_others(const CharacterizeOptions& option
     std::vector<std::size_t> measured = axes;
     for (std::string& doubt : identify::require_rest(
              samples, identify::AcceptedDoubts{options.input.accept}, measured)) {
-      if (measured != axes) throw recording::DataError(name + ": " + doubt);
+      if (measured != axes) throw recording::DataError(fmt::format("{}: {}", name, doubt));
       doubts.push_back(name + ": " + std::move(doubt));
     }
     others.push_back(std::move(samples));
