@@ -107,6 +107,24 @@ class Compare(unittest.TestCase):
         # Two stops determine the slope; what is left is the noise of the first seconds, 8 of 360 deg/h and more.
         self.assertLess(unused["stop_ratio"], 0.5)
         self.assertLess(unused["stop_ratio_ci95"][1], 1.0)
+        self.model_takes(unused["table"])
+
+    def test_acceleration_that_the_model_leaves_out_is_named(self):
+        plain = self.logs[0].read_text(encoding="utf-8").splitlines()
+        forces = self.folder / "forces.csv"
+        forces.write_text("\n".join([plain[0] + ",ax_mps2,ay_mps2,az_mps2"] + [row + ",0,0,9.81" for row in plain[1:]]) + "\n",
+                          encoding="utf-8")
+        (unused,) = self.compare(forces)["unused_inputs"]
+        self.assertEqual(unused["quantity"], "acceleration")
+        self.model_takes(unused["table"])
+
+    def model_takes(self, table):
+        """The advice is a table that a model file may have."""
+        model = self.folder / "advised.toml"
+        shown = self.zerorate("model", "show", "lsm6dso").stdout
+        model.write_text(shown + "\n" + table + "\n", encoding="utf-8")
+        run = self.zerorate("model", "check", model)
+        self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_logs_without_enough_stops_are_told(self):
         one = log(self.folder / "one.csv", [0.1, 0.2], 1)

@@ -3,15 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/lib/contest/exponential_means.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/recording/error.hpp"
+#include "host_tools/lib/recording/number.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -28,8 +30,7 @@ constexpr auto kKalman = static_cast<std::size_t>(app::Predictor::kalman);
 /// Squared errors of one stop or drive, a contestant each; NaN where it had no prediction.
 using Squares = std::array<double, kSeats>;
 
-/// Mean of the samples that the node's messages call still, with weights that fall by 1/e within
-/// the memory; a plain mean until that is full.
+/// Exponential mean of the samples that the node's messages call still, held on the way.
 class ExponentialMean {
  public:
   explicit ExponentialMean(double memory_s) : memory_s_(memory_s) {}
@@ -42,7 +43,7 @@ class ExponentialMean {
     if (stands && !stood_) held_rad_s_ = mean_rad_s_;
     stood_ = stands;
     if (!stands || !message.has_rate()) return;
-    const double weight = std::min(1.0, std::max(elapsed_s / memory_s_, 1.0 / ++samples_));
+    const double weight = exponential_weight(elapsed_s, memory_s_, ++samples_);
     for (std::size_t i = 0; i < mean_rad_s_.size(); ++i) {
       const double rate = double{message.axes[i].measured.in(core::rad_per_s)};
       mean_rad_s_[i] += weight * (rate - mean_rad_s_[i]);
@@ -75,16 +76,16 @@ struct LogErrors {
 /// Follows one replay.
 class Watch {
  public:
+  /// @param truth  has to outlive it
   Watch(LogErrors& errors, std::vector<std::size_t> axes, const Rival& rival,
         const std::optional<truth::Truth>& truth)
       : errors_(errors),
         axes_(std::move(axes)),
         mean_(rival.memory_s.value_or(1.0)),
-        drives_(truth ? truth->drives : std::vector<truth::Drive>{}),
-        vertical_(truth ? truth->vertical : truth::VerticalAxis{}) {}
+        truth_(truth) {}
 
-  [[nodiscard]] evaluate::ReplayObserver observer(const std::optional<truth::Truth>& truth) {
-    return {.truth = truth,
+  [[nodiscard]] evaluate::ReplayObserver observer() {
+    return {.truth = truth_,
             .on_sample = [this](const evaluate::ReplayedSample& sample) { take(sample); },
             .on_stop = [this](const evaluate::ReplayedStop& stop) { take(stop); }};
   }
@@ -100,7 +101,7 @@ class Watch {
       }
       const double length_s = units::seconds(scored.drive.to_ns - scored.drive.from_ns);
       squares[kExponential] = squared(scored.at_departure[kLastMean].drift_rad -
-                                      vertical_.sign * ahead_rad_s_[k] * length_s);
+                                      truth_->vertical.sign * ahead_rad_s_[k] * length_s);
       errors_.drives.push_back(squares);
     }
   }
@@ -109,10 +110,10 @@ class Watch {
   static double squared(double error) { return error * error; }
 
   void take(const evaluate::ReplayedSample& sample) {
-    while (ahead_rad_s_.size() < drives_.size() &&
-           sample.time_ns >= drives_[ahead_rad_s_.size()].departure_ns) {
-      ahead_rad_s_.push_back(mean_.mean_rad_s(vertical_.axis) -
-                             double{sample.last_stop_mean_rad_s[vertical_.axis]});
+    while (truth_ && ahead_rad_s_.size() < truth_->drives.size() &&
+           sample.time_ns >= truth_->drives[ahead_rad_s_.size()].departure_ns) {
+      const std::size_t axis = truth_->vertical.axis;
+      ahead_rad_s_.push_back(mean_.mean_rad_s(axis) - double{sample.last_stop_mean_rad_s[axis]});
     }
     mean_.take(sample.message);
   }
@@ -135,22 +136,31 @@ class Watch {
   LogErrors& errors_;
   std::vector<std::size_t> axes_;
   ExponentialMean mean_;
-  std::vector<truth::Drive> drives_;
-  truth::VerticalAxis vertical_;
+  const std::optional<truth::Truth>& truth_;
   std::vector<double> ahead_rad_s_;  ///< exponential mean less that of the last stop, at departure
 };
 
+/// Drives of a log by its reference; nullopt where it has none of use.
+std::optional<truth::Truth> truth_of(const recording::Input& input,
+                                     const truth::TruthOptions& options) {
+  recording::Reader reader{input};
+  std::optional<truth::Truth> truth = truth::read_truth(reader, options);
+  if (truth && !truth->obstacle.empty()) truth.reset();
+  return truth;
+}
+
+/// Parts of a log that are compared.
+enum class Compared : std::uint8_t { stops, stops_and_drives };
+
 LogErrors errors_of(const std::string& log, const ComparisonOptions& options,
-                    const model::SensorModel& model) {
+                    const model::SensorModel& model, Compared compared) {
   recording::Input input = options.format;
   input.path = log;
   try {
     std::optional<truth::Truth> truth;
-    if (!options.replay.schedule) {
-      recording::Reader first{input};
-      truth = truth::read_truth(first, options.truth);
+    if (compared == Compared::stops_and_drives && !options.replay.schedule) {
+      truth = truth_of(input, options.truth);
     }
-    if (truth && !truth->obstacle.empty()) truth.reset();
     recording::Reader reader{input};
     LogErrors errors{.has_temperature = reader.columns().temperature,
                      .has_acceleration = reader.columns().acceleration};
@@ -158,7 +168,7 @@ LogErrors errors_of(const std::string& log, const ComparisonOptions& options,
                 options.rival, truth};
     evaluate::ReplayOptions replay = options.replay;
     replay.model = model;
-    const evaluate::ReplayResult result = evaluate::replay(reader, replay, watch.observer(truth));
+    const evaluate::ReplayResult result = evaluate::replay(reader, replay, watch.observer());
     if (result.true_drives) watch.finish(*result.true_drives);
     return errors;
   } catch (const recording::DataError& error) {
@@ -206,15 +216,23 @@ statistics::BootstrapFigure ratio_of(const Pairs& logs) {
 
 using Chosen = std::vector<Squares> LogErrors::*;
 
-Pairs pairs_of(const std::vector<LogErrors>& logs, Chosen chosen, std::size_t own,
-               std::size_t other) {
+/// A contestant over the logs of one replay.
+struct Seat {
+  const std::vector<LogErrors>& logs;
+  std::size_t index;
+};
+
+/// Pairs of what both predicted. Two replays of a log have the same stops, or are no pair.
+Pairs pairs_of(Chosen chosen, const Seat& own, const Seat& other) {
   Pairs pairs;
-  for (const LogErrors& log : logs) {
+  for (std::size_t i = 0; i < own.logs.size(); ++i) {
+    const std::vector<Squares>& mine = own.logs[i].*chosen;
+    const std::vector<Squares>& theirs = other.logs[i].*chosen;
     auto& part = pairs.emplace_back();
-    for (const Squares& one : log.*chosen) {
-      if (std::isfinite(one[own]) && std::isfinite(one[other])) {
-        part.push_back({one[own], one[other]});
-      }
+    if (mine.size() != theirs.size()) continue;
+    for (std::size_t k = 0; k < mine.size(); ++k) {
+      const std::array<double, 2> pair{mine[k][own.index], theirs[k][other.index]};
+      if (std::isfinite(pair[0]) && std::isfinite(pair[1])) part.push_back(pair);
     }
   }
   return pairs;
@@ -234,8 +252,8 @@ double root_mean(const Pairs& pairs) {
 
 ContestantScore score_of(const std::vector<LogErrors>& logs, std::string name, std::size_t seat,
                          std::size_t rival) {
-  const Pairs stops = pairs_of(logs, &LogErrors::stops, seat, rival);
-  const Pairs drives = pairs_of(logs, &LogErrors::drives, seat, rival);
+  const Pairs stops = pairs_of(&LogErrors::stops, {logs, seat}, {logs, rival});
+  const Pairs drives = pairs_of(&LogErrors::drives, {logs, seat}, {logs, rival});
   return {.name = std::move(name),
           .stop_error_rad_s = root_mean(stops),
           .stop_ratio = ratio_of(stops),
@@ -246,53 +264,51 @@ ContestantScore score_of(const std::vector<LogErrors>& logs, std::string name, s
 /// A quantity that logs may hold, and its share of the bias where nothing better is known.
 struct Offer {
   const char* quantity;
-  const char* table;
+  std::string table;  ///< of a model file
   bool LogErrors::*is_recorded;
   bool (*is_used)(const model::SensorModel& model);
   void (*add_to)(model::SensorModel& model);
 };
 
+constexpr double kReference_degc = 25.0;
 constexpr double kSlope_dps_per_k = 0.03;  // the coarsest that data sheets of MEMS gyros state
 constexpr double kForce_dps_per_g = 0.1;
 
-const std::array<Offer, 2> kOffers = {
-    {{"temperature", "[temperature] slope_sigma_dps_per_degc = 0.03", &LogErrors::has_temperature,
-      [](const model::SensorModel& model) { return model.temperature.has_value(); },
-      [](model::SensorModel& model) {
-        model.temperature = model::TemperatureDrift{
-            .reference_degc = 25.0,
-            .slope_sigma_rad_s_per_k = kSlope_dps_per_k * units::kRadPerDeg};
-      }},
-     {"acceleration", "[[input]] quantity = \"acceleration\", sigma_dps_per_g = 0.1",
-      &LogErrors::has_acceleration,
-      [](const model::SensorModel& model) { return !model.inputs.empty(); },
-      [](model::SensorModel& model) {
-        model.inputs.push_back({.sigma_rad_s_per_unit = kForce_dps_per_g * units::kRadPerDeg});
-      }}}};
+Offer temperature_offer() {
+  return {.quantity = "temperature",
+          .table = fmt::format("[temperature]\nreference_degc = {}\nslope_sigma_dps_per_degc = {}",
+                               kReference_degc, kSlope_dps_per_k),
+          .is_recorded = &LogErrors::has_temperature,
+          .is_used = [](const model::SensorModel& model) { return model.temperature.has_value(); },
+          .add_to =
+              [](model::SensorModel& model) {
+                model.temperature = model::TemperatureDrift{
+                    .reference_degc = kReference_degc,
+                    .slope_sigma_rad_s_per_k = kSlope_dps_per_k * units::kRadPerDeg};
+              }};
+}
+
+Offer acceleration_offer() {
+  return {
+      .quantity = "acceleration",
+      .table = fmt::format("[[input]]\nquantity = \"acceleration\"\nsigma_dps_per_unit = {}",
+                           kForce_dps_per_g),
+      .is_recorded = &LogErrors::has_acceleration,
+      .is_used = [](const model::SensorModel& model) { return !model.inputs.empty(); },
+      .add_to =
+          [](model::SensorModel& model) {
+            model.inputs.push_back({.sigma_rad_s_per_unit = kForce_dps_per_g * units::kRadPerDeg});
+          }};
+}
 
 std::vector<LogErrors> replay_all(const std::vector<std::string>& logs,
                                   const ComparisonOptions& options, const model::SensorModel& model,
-                                  const parallel::Progress& progress) {
+                                  Compared compared, const parallel::Progress& progress) {
   std::vector<LogErrors> errors(logs.size());
   parallel::for_each(
       logs.size(), options.threads,
-      [&](std::size_t i) { errors[i] = errors_of(logs[i], options, model); }, progress);
+      [&](std::size_t i) { errors[i] = errors_of(logs[i], options, model, compared); }, progress);
   return errors;
-}
-
-/// Errors of the node with and without a quantity, in pairs: both stop where the vehicle stops.
-Pairs pairs_of(const std::vector<LogErrors>& with, const std::vector<LogErrors>& without) {
-  Pairs pairs;
-  for (std::size_t i = 0; i < with.size(); ++i) {
-    auto& part = pairs.emplace_back();
-    if (with[i].stops.size() != without[i].stops.size()) continue;
-    for (std::size_t k = 0; k < with[i].stops.size(); ++k) {
-      const double own = with[i].stops[k][kKalman];
-      const double other = without[i].stops[k][kKalman];
-      if (std::isfinite(own) && std::isfinite(other)) part.push_back({own, other});
-    }
-  }
-  return pairs;
 }
 
 }  // namespace
@@ -306,12 +322,8 @@ Rival parse_rival(std::string_view text) {
   if (text == "last-mean") return {};
   if (text.starts_with(kPrefix)) {
     text.remove_prefix(kPrefix.size());
-    double memory_s = 0.0;
-    const char* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, memory_s);
-    if (read.ec == std::errc{} && read.ptr == end && memory_s > 0.0 && std::isfinite(memory_s)) {
-      return {.memory_s = memory_s};
-    }
+    const auto memory_s = recording::parse_real(text);
+    if (memory_s && *memory_s > 0.0 && std::isfinite(*memory_s)) return {.memory_s = *memory_s};
   }
   throw std::invalid_argument(
       "--against: expected last-mean or exponential:SECONDS, as in exponential:30");
@@ -324,7 +336,8 @@ Comparison compare(const std::vector<std::string>& logs, const ComparisonOptions
     return progress ? [=](double done) { progress(from + (to - from) * done); }
                     : parallel::Progress{};
   };
-  const std::vector<LogErrors> errors = replay_all(logs, options, model, share(0.0, 0.4));
+  const std::vector<LogErrors> errors =
+      replay_all(logs, options, model, Compared::stops_and_drives, share(0.0, 0.4));
   Comparison result{.model = model.name, .rival = options.rival, .logs = logs};
   std::size_t predictions = 0;
   std::size_t covered = 0;
@@ -341,14 +354,16 @@ Comparison compare(const std::vector<std::string>& logs, const ComparisonOptions
                                  static_cast<std::size_t>(app::Predictor::moving_average), rival),
                         score_of(errors, options.rival.name(), rival, rival)};
   double done = 0.4;
-  for (const Offer& offer : kOffers) {
+  for (const Offer& offer : {temperature_offer(), acceleration_offer()}) {
     const bool is_recorded = std::ranges::all_of(errors, offer.is_recorded);
     if (is_recorded && !offer.is_used(model)) {
       model::SensorModel with = model;
       offer.add_to(with);
-      const auto informed = replay_all(logs, options, with, share(done, done + 0.3));
+      const auto informed =
+          replay_all(logs, options, with, Compared::stops, share(done, done + 0.3));
       result.unused_inputs.push_back(
-          {offer.quantity, offer.table, ratio_of(pairs_of(informed, errors))});
+          {offer.quantity, offer.table,
+           ratio_of(pairs_of(&LogErrors::stops, {informed, kKalman}, {errors, kKalman}))});
     }
     done += 0.3;
   }

@@ -14,6 +14,13 @@
 
 namespace zerorate::contest {
 
+/// Weight of a new sample in an exponential mean: that of a plain mean until the memory is full.
+/// @param elapsed_s  since the sample before
+/// @param samples    number of samples, the new one included
+[[nodiscard]] inline double exponential_weight(double elapsed_s, double memory_s, double samples) {
+  return std::min(std::max(elapsed_s / memory_s, 1.0 / samples), 1.0);
+}
+
 /// Watches a replay and scores its own predictions on the same drives. It sees every sample of a
 /// stop, hold-back and settle time included, and thereby a little more than the node.
 class ExponentialMeans {
@@ -60,11 +67,10 @@ class ExponentialMeans {
   }
 
   void learn(const evaluate::ReplayedSample& sample, double elapsed_s) {
-    // A plain mean until it is as long as the memory. Time forgets only at rest.
-    ++samples_;
+    ++samples_;  // at rest alone: a drive forgets nothing
     for_each_cell(sample, [&](Cell& cell, double rate_rad_s, double memory_s) {
-      const double weight = std::max(elapsed_s / memory_s, 1.0 / samples_);
-      cell.mean_rad_s += std::min(weight, 1.0) * (rate_rad_s - cell.mean_rad_s);
+      cell.mean_rad_s +=
+          exponential_weight(elapsed_s, memory_s, samples_) * (rate_rad_s - cell.mean_rad_s);
     });
   }
 

@@ -40,7 +40,7 @@ std::vector<std::string> advice_on(const Comparison& comparison) {
         "The model does not use the {} in these logs; with it the error of kalman is {} times as "
         "large{}",
         input.quantity, evaluate::in_words(input.ratio),
-        helps ? ". Add to the model: " + input.table : ": that does not help."));
+        helps ? ". Add to the model:\n" + input.table : ": that does not help."));
   }
   if (comparison.drives == 0) {
     advice.emplace_back(
