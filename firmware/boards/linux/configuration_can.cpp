@@ -4,7 +4,6 @@
 
 #include "firmware/boards/linux/configuration_tables.hpp"
 #include "firmware/wire/can_frames.hpp"
-#include "hal/linux/named_socket.hpp"
 
 namespace zerorate::linux_node {
 namespace {
@@ -43,10 +42,9 @@ wire::E2eSettings read_e2e(StrictTable& table, std::uint16_t id) {
 CanSettings read_can(StrictTable& table, std::optional<core::UpAxis>& up) {
   static constexpr std::array<std::string_view, 3> kLayouts{"axes", "yaw", "fd"};
   CanSettings can{
-      .interface = *name_at(table, "interface", Presence::required),
+      .interface = read_interface(table),
       .id = static_cast<std::uint16_t>(
           table.integer("id", kCanId, Presence::optional).value_or(wire::kDefaultCanId))};
-  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(can.interface); });
   can.layout =
       static_cast<CanLayout>(table.choice("layout", kLayouts, Presence::optional).value_or(0));
   can.every =

@@ -59,12 +59,6 @@ std::uint32_t read_id(StrictTable& table) {
   return static_cast<std::uint32_t>(*table.integer("id", kSignalId, Presence::required));
 }
 
-std::string read_interface(StrictTable& table) {
-  std::string name = *name_at(table, "interface", Presence::required);
-  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(name); });
-  return name;
-}
-
 CanSignal read_signal(StrictTable& table, const ValueKeys& keys) {
   CanSignal signal{.interface = read_interface(table), .id = read_id(table)};
   read_bits(table, signal);
@@ -166,6 +160,12 @@ std::optional<core::UpAxis> read_up(StrictTable& table, Presence presence) {
   if (!up) return std::nullopt;
   return core::UpAxis{.axis = static_cast<std::uint8_t>(*up % 3),
                       .points_down = *up >= kUp.size() / 2};
+}
+
+std::string read_interface(StrictTable& table) {
+  std::string name = *name_at(table, "interface", Presence::required);
+  at_key(table, "interface", [&] { (void)hal::linux_os::interface_request(name); });
+  return name;
 }
 
 std::string read_socket_path(StrictTable& table, std::string_view key) {

@@ -73,6 +73,8 @@ auto at_key(const toml_file::StrictTable& table, std::string_view key, Act act) 
 /// Sink of a CAN bus.
 /// @param up  becomes the axis that points up, where the table states it
 [[nodiscard]] CanSettings read_can(toml_file::StrictTable& table, std::optional<core::UpAxis>& up);
+/// Name of a network interface that the kernel can have, at the key `interface`.
+[[nodiscard]] std::string read_interface(toml_file::StrictTable& table);
 /// Path that a Unix socket can have.
 [[nodiscard]] std::string read_socket_path(toml_file::StrictTable& table, std::string_view key);
 

@@ -2,10 +2,14 @@
 /// The frames of firmware/wire/can_frames.hpp and can_protected.hpp as rows of a DBC file.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
+
+#include "firmware/wire/health_bits.hpp"
 
 namespace zerorate::linux_node::dbc {
 
@@ -32,6 +36,15 @@ struct Frame {
   bool is_fd = false;
   bool is_protected = false;
 };
+
+/// Signals of several parts, one after the other.
+template <std::size_t... Sizes>
+constexpr auto joined(const std::array<Signal, Sizes>&... parts) {
+  std::array<Signal, (Sizes + ...)> all{};
+  auto end = all.begin();
+  ((end = std::copy(parts.begin(), parts.end(), end)), ...);
+  return all;
+}
 
 constexpr Signal flag(std::string_view name, std::string_view comment = "") {
   return {.name = name, .bits = 1, .comment = comment};
@@ -168,10 +181,15 @@ constexpr std::array kFirstFlags{
     flag("SensorFault", "The gyro gives no samples: rates are not available."),
     flag("MeasurementRejected", "The newest measurement at standstill was taken for a knock.")};
 
-constexpr std::array kStatus{
-    kMotion,        kCounter,       kTemperatureMissing, kOdometerDisagreement, kFirstFlags[0],
-    kFirstFlags[1], kFirstFlags[2], kFirstFlags[3],      kFirstFlags[4],        kFirstFlags[5],
-    kFirstFlags[6], kFirstFlags[7], sigma_16("SigmaX"),  sigma_16("SigmaY"),    sigma_16("SigmaZ")};
+/// All flags, in the order of wire::kHealthBits.
+constexpr auto kHealth =
+    joined(kFirstFlags, std::array{kTemperatureMissing, kOdometerDisagreement, kDeadBand,
+                                   kSampleRateOff, kReferenceDisagreement, kAccelerationMissing});
+static_assert(kHealth.size() == wire::kHealthBits.size());
+
+constexpr auto kStatus =
+    joined(std::array{kMotion, kCounter, kTemperatureMissing, kOdometerDisagreement}, kFirstFlags,
+           std::array{sigma_16("SigmaX"), sigma_16("SigmaY"), sigma_16("SigmaZ")});
 constexpr std::array kX{rate_32("RateX"), bias_28("BiasX"), kCounter};
 constexpr std::array kY{rate_32("RateY"), bias_28("BiasY"), kCounter};
 constexpr std::array kZ{rate_32("RateZ"), bias_28("BiasZ"), kCounter};
@@ -279,57 +297,14 @@ constexpr Signal kSigmaClass{
     .comment =
         "Class k: the standard deviation of the yaw rate's bias is at most 0.0001 deg/s "
         "times 2^k; 15: larger or not known."};
-constexpr std::array kYaw{kCrc,
-                          kE2eCounter,
-                          kNibble,
-                          kYawRate,
-                          kYawRateValid,
-                          kMotion,
-                          spare(1),
-                          kSigmaClass,
-                          kFirstFlags[0],
-                          kFirstFlags[1],
-                          kFirstFlags[2],
-                          kFirstFlags[3],
-                          kFirstFlags[4],
-                          kFirstFlags[5],
-                          kFirstFlags[6],
-                          kFirstFlags[7],
-                          kTemperatureMissing,
-                          kOdometerDisagreement,
-                          kDeadBand,
-                          kSampleRateOff,
-                          kReferenceDisagreement,
-                          kAccelerationMissing,
-                          spare(2)};
-constexpr std::array kFd{
-    kCrc,
-    kE2eCounter,
-    kNibble,
-    kFirstFlags[0],
-    kFirstFlags[1],
-    kFirstFlags[2],
-    kFirstFlags[3],
-    kFirstFlags[4],
-    kFirstFlags[5],
-    kFirstFlags[6],
-    kFirstFlags[7],
-    kTemperatureMissing,
-    kOdometerDisagreement,
-    kDeadBand,
-    kSampleRateOff,
-    kReferenceDisagreement,
-    kAccelerationMissing,
-    kMotion,
-    flag("RatesValid", "1: the three rates are there, corrected, and no lower bounds."),
-    kYawRateValid,
-    spare(2),
-    rate_28("RateX"),
-    rate_28("RateY"),
-    rate_28("RateZ"),
-    sigma_16("SigmaX"),
-    sigma_16("SigmaY"),
-    sigma_16("SigmaZ"),
-    kYawRate};
+constexpr auto kYaw = joined(
+    std::array{kCrc, kE2eCounter, kNibble, kYawRate, kYawRateValid, kMotion, spare(1), kSigmaClass},
+    kHealth, std::array{spare(2)});
+constexpr auto kFd = joined(
+    std::array{kCrc, kE2eCounter, kNibble}, kHealth,
+    std::array{kMotion,
+               flag("RatesValid", "1: the three rates are there, corrected, and no lower bounds."),
+               kYawRateValid, spare(2), rate_28("RateX"), rate_28("RateY"), rate_28("RateZ"),
+               sigma_16("SigmaX"), sigma_16("SigmaY"), sigma_16("SigmaZ"), kYawRate});
 
 }  // namespace zerorate::linux_node::dbc
