@@ -5,7 +5,6 @@
 #include <deque>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -107,8 +106,7 @@ class Run {
       stops_.end_stop(node_, kStart, result_);
     }
     if (rest_) {
-      std::vector<std::size_t> axes(result_.axis_count);
-      std::iota(axes.begin(), axes.end(), std::size_t{0});
+      std::vector<std::size_t> axes = identify::axes_called("all", result_.axis_count);
       result_.rest_doubts = identify::require_rest(rest_->doubts(), accepted_, axes);
     }
     node_.finish_learning();

@@ -21,18 +21,16 @@ WriterLock::WriterLock(const std::filesystem::path& database)
   if (::fcntl(descriptor_, F_OFD_SETLK, &byte) == 0) return;
   const int reason = errno;
   ::close(descriptor_);
-  if (reason == EAGAIN || reason == EACCES) throw std::runtime_error(refusal_of_writer(database));
+  if (reason == EAGAIN || reason == EACCES) {
+    throw std::runtime_error(database.string() +
+                             ": another process is writing to this database; give each worker one "
+                             "of its own and join them with zerorate fleet merge");
+  }
   throw std::system_error(reason, std::generic_category(), database.string());
 }
 
 WriterLock::~WriterLock() {
   ::close(descriptor_);
-}
-
-std::string refusal_of_writer(const std::filesystem::path& database) {
-  return database.string() +
-         ": another process is writing to this database; give each worker one of its own and join "
-         "them with zerorate fleet merge";
 }
 
 }  // namespace zerorate::fleet

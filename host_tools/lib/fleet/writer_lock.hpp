@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 namespace zerorate::fleet {
 
@@ -21,8 +20,5 @@ class WriterLock {
  private:
   int descriptor_;
 };
-
-/// Text of the refusal of a second writer.
-[[nodiscard]] std::string refusal_of_writer(const std::filesystem::path& database);
 
 }  // namespace zerorate::fleet
