@@ -264,7 +264,7 @@ ContestantScore score_of(const std::vector<LogErrors>& logs, std::string name, s
 /// A quantity that logs may hold, and its share of the bias where nothing better is known.
 struct Offer {
   const char* quantity;
-  std::string table;  ///< of a model file
+  std::string table;  ///< lines for a model file
   bool LogErrors::*is_recorded;
   bool (*is_used)(const model::SensorModel& model);
   void (*add_to)(model::SensorModel& model);
