@@ -70,6 +70,23 @@ TEST(RecordsOnLevels, RepeatByChanceWhereTheyRiseToo) {
   EXPECT_TRUE(find_repeated_samples(record).empty());
 }
 
+// Steps of a third of sigma, less a bias that is estimated anew every 50 samples: 9 % of the
+// neighbours are equal by chance, and the least difference is that of two estimates.
+TEST(RecordsOnLevels, RepeatByChanceWhereTheirBiasWasTakenOff) {
+  const random::RandomStream estimates{12};
+  for (const bool single_precision : {false, true}) {
+    Record record = noise_record(0.32);
+    for (std::size_t k = 0; k < kSize; ++k) {
+      double& rate = record.rate_rad_s[k];
+      rate -= 7.0 + 0.01 * estimates.normal(static_cast<std::int64_t>(k / 50));
+      if (single_precision) rate = static_cast<double>(static_cast<float>(rate));
+    }
+    EXPECT_TRUE(find_repeated_samples(record).empty()) << single_precision;
+    for (std::size_t first = 10; first < kSize; first += 2) hold(record, first, 1);
+    EXPECT_GE(find_repeated_samples(record).size(), kSize / 2 - 10) << single_precision;
+  }
+}
+
 TEST(RecordsThatEndAtAValue, RepeatItAndLoseNothing) {
   Record record = noise_record(0.0);
   for (double& rate : record.rate_rad_s) rate = std::min(rate, 1.2);

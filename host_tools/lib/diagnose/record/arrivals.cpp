@@ -126,28 +126,48 @@ constexpr double kOverChance = 4.0;
 constexpr double kMostOfOneValue = 0.2;  // share of the repetitions
 constexpr double kNear = 0.05;           // share of the differences that count as about zero
 constexpr double kCoarse = 0.25;         // largest step of a level over the middle difference
+constexpr double kRounding = 1e-5;       // of the middle difference: one number in single precision
 
-/// How many neighbours would be equal by chance, by how close together the least differences lie.
-/// All of them where the levels are too coarse for an estimate.
-double equal_by_chance(const std::vector<double>& rates) {
+/// Differences of neighbours that differ, without sign, ascending.
+std::vector<double> differences_of(const std::vector<double>& rates) {
   std::vector<double> differences;
   differences.reserve(rates.size());
   for (std::size_t k = 1; k < rates.size(); ++k) {
     if (rates[k] != rates[k - 1]) differences.push_back(std::abs(rates[k] - rates[k - 1]));
   }
+  std::ranges::sort(differences);
+  return differences;
+}
+
+/// The most differences that are one number, to rounding. Levels survive here where a bias was
+/// subtracted that changes now and then: neighbours still differ by a whole number of steps.
+double most_of_one_difference(const std::vector<double>& ascending) {
+  const double width = kRounding * ascending[ascending.size() / 2];
+  std::ptrdiff_t most = 0;
+  auto end = ascending.begin();
+  for (auto first = ascending.begin(); first != ascending.end(); ++first) {
+    while (end != ascending.end() && *end - *first <= width) ++end;
+    most = std::max(most, end - first);
+  }
+  return static_cast<double>(most);
+}
+
+/// How many neighbours would be equal by chance: as many as differ by the least difference, one
+/// way, and no fewer than those that differ by any one number. All of them where the levels are too
+/// coarse for an estimate.
+double equal_by_chance(const std::vector<double>& rates) {
+  const std::vector<double> differences = differences_of(rates);
   const auto all = static_cast<double>(rates.size());
   if (differences.empty()) return all;
   const auto quantile = [&](double share) {
-    const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(differences.size()));
-    std::ranges::nth_element(differences, differences.begin() + place);
-    return *(differences.begin() + place);
+    return differences[static_cast<std::size_t>(share * static_cast<double>(differences.size()))];
   };
-  const double width = quantile(kNear);
-  const double least = std::ranges::min(differences);
+  const double least = differences.front();
   if (least > kCoarse * quantile(0.5)) return all;
-  const auto within = static_cast<double>(std::ranges::count_if(
-      differences, [width](double difference) { return difference <= width; }));
-  return 0.5 * within * least / width;
+  const double width = quantile(kNear);
+  const auto within =
+      static_cast<double>(std::ranges::upper_bound(differences, width) - differences.begin());
+  return std::max(0.5 * within * least / width, 0.5 * most_of_one_difference(differences));
 }
 
 double most_of_one_value(std::vector<double> values) {
