@@ -202,7 +202,7 @@ Report sample_report() {
       .listing(
           "zerorate replay drive.csv.gz --model lsm6dso.toml \\\n"
           "    --schedule still=30,drive=120,seed=1 --through chip");
-  report.provenance("zerorate 0.1.0, sample report, seed 1");
+  report.provenance("zerorate 0.2.0, sample report, seed 1");
   return report;
 }
 
