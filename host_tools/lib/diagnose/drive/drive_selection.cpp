@@ -37,6 +37,12 @@ Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<std::si
   return rows;
 }
 
+/// Log likelihood that a variant gains: by the errors of the heading and by what is measured beside
+/// them, unless the errors contradict it.
+double joint_gain(double by_errors_nats, const Variant& variant) {
+  return by_errors_nats > -kAlternativeNats ? by_errors_nats + variant.own_nats : by_errors_nats;
+}
+
 }  // namespace
 
 DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& places) {
@@ -89,7 +95,7 @@ MotionChoice MotionSelection::weighed(const MotionEffect& effect, const Variant&
   std::vector<MotionChoice> all = others;
   all.push_back(choice);
   const DriveFit with = fit(all);
-  choice.gain_nats = regression_.gain(fit(others), with);
+  choice.gain_nats = joint_gain(regression_.gain(fit(others), with), variant);
   const auto parameters =
       std::max<std::size_t>(1, static_cast<std::size_t>(variant.prior_sigma.size()));
   const double surprisal =
@@ -130,7 +136,8 @@ bool MotionSelection::rests_on_many_drives(const MotionChoice& choice,
     }
     const DriveRegression regression{picked(record_, places)};
     const DriveFit fit = regression.fit(picked(with, places));
-    const double gain = regression.gain(regression.fit(picked(without, places)), fit);
+    const double gain =
+        joint_gain(regression.gain(regression.fit(picked(without, places)), fit), choice.variant);
     const auto parameters =
         std::max<std::size_t>(1, static_cast<std::size_t>(choice.variant.prior_sigma.size()));
     if (surprisal_of_drives(gain, parameters, fit.freedom, places.size()) <
@@ -141,34 +148,87 @@ bool MotionSelection::rests_on_many_drives(const MotionChoice& choice,
   return true;
 }
 
-void MotionSelection::drop_superfluous(std::vector<MotionChoice>& chosen) const {
-  for (std::size_t i = 0; i < chosen.size();) {
-    const MotionChoice& one = chosen[i];
-    const std::size_t variants = one.effect->variants(record_).size();
-    MotionChoice again = weighed(*one.effect, one.variant, variants, without(chosen, i));
-    if (again.surprisal_nats < kDriveThreshold_nats) {
-      chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(i));
-    } else {
-      chosen[i++] = std::move(again);
+void MotionSelection::grow(const MotionSet& set, std::size_t first,
+                           std::vector<MotionSet>& sets) const {
+  if (set.choices.size() == kMostCauses) return;
+  for (std::size_t i = first; i < effects_.size(); ++i) {
+    const MotionEffect& effect = *effects_[i];
+    if (!effect.obstacle(record_).empty()) continue;
+    const std::vector<Variant> variants = effect.variants(record_);
+    for (const Variant& variant : variants) {
+      MotionSet larger = set;
+      larger.choices.push_back(weighed(effect, variant, variants.size(), set.choices));
+      larger.evidence_nats += larger.choices.back().evidence_nats;
+      grow(larger, i + 1, sets);
+      sets.push_back(std::move(larger));
     }
   }
 }
 
-std::vector<MotionChoice> MotionSelection::choose() const {
-  std::vector<MotionChoice> chosen;
-  while (chosen.size() < kMostCauses) {
-    const std::vector<MotionChoice> examined = examine(chosen);
-    const auto next = std::ranges::find_if(examined, [&](const MotionChoice& choice) {
-      return choice.surprisal_nats >= kDriveThreshold_nats && choice.evidence_nats > 0.0 &&
-             rests_on_many_drives(choice, chosen);
-    });
-    if (next == examined.end()) break;
-    chosen.push_back(*next);
-    drop_superfluous(chosen);
-    if (chosen.empty() || chosen.back().effect != next->effect) break;
+std::vector<MotionChoice> MotionSelection::weighed_together(
+    const std::vector<MotionChoice>& set) const {
+  std::vector<MotionChoice> together;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const std::size_t variants = set[i].effect->variants(record_).size();
+    together.push_back(weighed(*set[i].effect, set[i].variant, variants, without(set, i)));
   }
-  std::ranges::stable_sort(chosen, std::greater{}, &MotionChoice::gain_nats);
-  return chosen;
+  return together;
+}
+
+bool MotionSelection::is_plain(const MotionChoice& choice,
+                               const std::vector<MotionChoice>& others) const {
+  return choice.surprisal_nats >= kDriveThreshold_nats && choice.evidence_nats > 0.0 &&
+         rests_on_many_drives(choice, others);
+}
+
+double MotionSelection::surprisal_of_pair(const MotionChoice& one, const MotionChoice& other,
+                                          const std::vector<MotionChoice>& others) const {
+  std::vector<MotionChoice> all = others;
+  all.push_back(one);
+  all.push_back(other);
+  const DriveFit with = fit(all);
+  const double gain =
+      joint_gain(joint_gain(regression_.gain(fit(others), with), one.variant), other.variant);
+  const auto parameters = static_cast<std::size_t>(one.variant.share.columns.cols() +
+                                                   other.variant.share.columns.cols());
+  const auto effects = static_cast<double>(effects_.size());
+  return surprisal_of_drives(gain, std::max<std::size_t>(1, parameters), with.freedom,
+                             record_.size()) -
+         std::log(0.5 * effects * (effects - 1.0));
+}
+
+bool MotionSelection::is_reached(const std::vector<MotionChoice>& set) const {
+  if (set.empty()) return true;
+  const std::vector<MotionChoice> together = weighed_together(set);
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const std::vector<MotionChoice> others = without(set, i);
+    if (together[i].surprisal_nats >= kDriveThreshold_nats && is_reached(others)) return true;
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::vector<MotionChoice> rest = without(others, j);
+      if (surprisal_of_pair(set[i], set[j], rest) >= kDriveThreshold_nats && is_reached(rest)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::vector<MotionChoice> MotionSelection::choose() const {
+  std::vector<MotionSet> sets;
+  grow({}, 0, sets);
+  std::ranges::stable_sort(sets, std::greater{}, &MotionSet::evidence_nats);
+  for (const MotionSet& set : sets) {
+    if (!(set.evidence_nats > 0.0)) break;
+    std::vector<MotionChoice> chosen = weighed_together(set.choices);
+    const auto is_plain_beside = [&](const MotionChoice& choice) {
+      const auto place = static_cast<std::size_t>(&choice - chosen.data());
+      return is_plain(choice, without(chosen, place));
+    };
+    if (!std::ranges::all_of(chosen, is_plain_beside) || !is_reached(chosen)) continue;
+    std::ranges::stable_sort(chosen, std::greater{}, &MotionChoice::gain_nats);
+    return chosen;
+  }
+  return {};
 }
 
 }  // namespace zerorate::diagnose

@@ -20,12 +20,19 @@ struct MotionChoice {
   double evidence_nats = 0.0;   ///< gain less what the freedom of its coefficients costs
 };
 
+/// Effects beside each other.
+struct MotionSet {
+  std::vector<MotionChoice> choices;  ///< each weighed beside those before it
+  double evidence_nats = 0.0;
+};
+
 class MotionSelection {
  public:
   MotionSelection(const DriveRecord& record,
                   std::span<const std::unique_ptr<MotionEffect>> effects);
 
-  /// Adds the likeliest effect while one is surprising, and drops those that are superfluous then.
+  /// The likeliest set of at most three effects that are all plain beside each other. Each comes as
+  /// a surprise beside those before it, or two at once do: one may hide the other.
   [[nodiscard]] std::vector<MotionChoice> choose() const;
   /// Every effect that can be examined, in its best variant beside those that are chosen; the most
   /// likely one first.
@@ -37,7 +44,18 @@ class MotionSelection {
   [[nodiscard]] DriveFit fit(const std::vector<MotionChoice>& choices) const;
 
  private:
-  void drop_superfluous(std::vector<MotionChoice>& chosen) const;
+  /// Adds every set that a set and effects from the first-th on make.
+  void grow(const MotionSet& set, std::size_t first, std::vector<MotionSet>& sets) const;
+  /// The choices, each weighed beside all others.
+  [[nodiscard]] std::vector<MotionChoice> weighed_together(
+      const std::vector<MotionChoice>& set) const;
+  [[nodiscard]] bool is_plain(const MotionChoice& choice,
+                              const std::vector<MotionChoice>& others) const;
+  /// Log of the odds of what two effects gain by chance, as many pairs counted as there are.
+  [[nodiscard]] double surprisal_of_pair(const MotionChoice& one, const MotionChoice& other,
+                                         const std::vector<MotionChoice>& others) const;
+  /// Whether steps of one surprising effect, or of two at once, lead to a set.
+  [[nodiscard]] bool is_reached(const std::vector<MotionChoice>& set) const;
   /// Whether a choice is still surprising with any one drive left out: a single drive in which the
   /// reference is at fault makes no cause.
   [[nodiscard]] bool rests_on_many_drives(const MotionChoice& choice,

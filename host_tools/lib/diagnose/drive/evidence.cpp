@@ -32,6 +32,17 @@ double metres_between(const truth::Series& speed_m_s, std::int64_t from_ns, std:
   return metres;
 }
 
+/// Whether a drive makes no evidence. A late reference parts from the gyro in fast turns as one
+/// that jumps does, and catches up at rest: its jumps are those of the trace, without the delay.
+bool is_spoilt(truth::Flaw flaw, std::size_t number, const std::vector<TraceFinding>& findings) {
+  bool is_late = false;
+  for (const TraceFinding& finding : findings) {
+    if (std::ranges::find(finding.drives, number) != finding.drives.end()) return true;
+    is_late |= finding.catches_up;
+  }
+  return flaw != truth::Flaw::none && !(is_late && flaw == truth::Flaw::heading_jump);
+}
+
 }  // namespace
 
 Eigen::VectorXd DriveRecord::errors() const {
@@ -122,10 +133,7 @@ DriveRecord EvidenceCollector::finish(const evaluate::TrueDrives& drives,
   std::vector<Span> spans;
   for (std::size_t k = 0; k < drives.drives.size(); ++k) {
     const evaluate::ScoredTrueDrive& scored = drives.drives[k];
-    const bool is_spoilt = std::ranges::any_of(record.findings, [&](const TraceFinding& finding) {
-      return std::ranges::find(finding.drives, k) != finding.drives.end();
-    });
-    if (is_spoilt || scored.flaw != truth::Flaw::none || !(ways_[k].span.length_s() > 0.0)) {
+    if (is_spoilt(scored.flaw, k, record.findings) || !(ways_[k].span.length_s() > 0.0)) {
       ++record.left_out;
       continue;
     }

@@ -1,21 +1,29 @@
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "host_tools/lib/diagnose/drive/drive_diagnosis.hpp"
 #include "host_tools/lib/diagnose/drive/motion_effect.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
 namespace {
 
-/// Component of the vertical along one of the other axes, with its standard deviation: the share of
-/// a turn that this axis measures. A body that leans outwards in curves shows it a share of the
-/// path.
-Estimate component_of(const DriveRecord& record, std::size_t axis) {
+/// Share of a turn that one of the other axes measures, and how much likelier its measurements are
+/// with it.
+struct Component {
+  Estimate sine;
+  double gain_nats = 0.0;
+};
+
+/// Component of the vertical along one of the other axes. A body that leans outwards in curves
+/// shows it a share of the path.
+Component component_of(const DriveRecord& record, std::size_t axis) {
   Eigen::MatrixXd x(static_cast<Eigen::Index>(record.size()), 2);
   x.col(0) = column_of(record, [](const DriveEvidence& drive) { return drive.turn_rad; });
   x.col(1) = column_of(record, [](const DriveEvidence& drive) { return drive.path_rad; });
@@ -25,14 +33,20 @@ Estimate component_of(const DriveRecord& record, std::size_t axis) {
       (x.transpose() * x).completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::Vector2d shares = inverse * (x.transpose() * y);
   const double freedom = static_cast<double>(record.size()) - 2.0;
-  const double sigma = std::sqrt((y - x * shares).squaredNorm() / freedom * inverse(0, 0));
-  return {shares[0], student_half_width95(freedom) * sigma, sigma};
+  const double squares = (y - x * shares).squaredNorm();
+  const double sigma = std::sqrt(squares / freedom * inverse(0, 0));
+  // Without the share the squares are larger by what a single column takes.
+  const double squares_without = squares + shares[0] * shares[0] / inverse(0, 0);
+  return {
+      .sine = {shares[0], student_half_width95(freedom) * sigma, sigma},
+      .gain_nats = 0.5 * static_cast<double>(record.size()) * std::log(squares_without / squares)};
 }
 
 /// Tilt of the vertical axis, by what the two others measure of the turns.
 struct MeasuredTilt {
   std::array<Estimate, 2> sines;
   std::array<std::size_t, 2> axes;
+  double gain_nats = 0.0;
 
   /// The square of the sine without what errors add to it; 0 where it is within them.
   [[nodiscard]] double squared_sine() const {
@@ -48,10 +62,17 @@ struct MeasuredTilt {
   [[nodiscard]] double loss() const { return 1.0 - std::sqrt(1.0 - std::min(squared_sine(), 1.0)); }
 };
 
+/// Whether a share of the errors that is known is worth a cause, whatever else is in them.
+bool is_material(const DriveRecord& record, const Eigen::VectorXd& share_rad) {
+  return 0.5 * share_rad.dot(record.covariance().llt().solve(share_rad)) >= kDriveThreshold_nats;
+}
+
 MeasuredTilt tilt_of(const DriveRecord& record) {
   const std::size_t vertical = record.vertical.axis;
   const std::array<std::size_t, 2> axes{(vertical + 1) % 3, (vertical + 2) % 3};
-  return {{component_of(record, axes[0]), component_of(record, axes[1])}, axes};
+  const Component first = component_of(record, axes[0]);
+  const Component second = component_of(record, axes[1]);
+  return {{first.sine, second.sine}, axes, first.gain_nats + second.gain_nats};
 }
 
 class Misalignment final : public MotionEffect {
@@ -73,8 +94,10 @@ class Misalignment final : public MotionEffect {
       }
       return rad;
     };
-    return {
-        {.by = {}, .share = {.columns = {}, .known = column_of(record, share)}, .prior_sigma = {}}};
+    Variant variant{
+        .by = {}, .share = {.columns = {}, .known = column_of(record, share)}, .prior_sigma = {}};
+    if (is_material(record, variant.share.known)) variant.own_nats = tilt.gain_nats;
+    return {variant};
   }
   [[nodiscard]] MotionDescription describe(const MotionFinding& finding) const override {
     const MeasuredTilt tilt = tilt_of(*finding.record);

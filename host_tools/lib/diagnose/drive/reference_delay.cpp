@@ -158,7 +158,9 @@ class ReferenceDelay final : public TraceEffect {
             "the gyro in proportion to the rate. The errors from stop to stop are free of it.",
             delay.value > 0.0 ? "late" : "ahead", std::abs(delay.value),
             std::abs(delay.value) - delay.half_width, std::abs(delay.value) + delay.half_width),
-        .left_out_because = "a model describes the gyro; correct the times of the reference"};
+        .left_out_because = "a model describes the gyro; correct the times of the reference",
+        .catches_up = std::abs(delay.value) + delay.half_width <
+                      units::seconds(truth::Drive::kBesideTheWay_ns)};
   }
 };
 
