@@ -19,10 +19,13 @@ class BankedRegisters {
  public:
   constexpr explicit BankedRegisters(Bus bus) : bus_(bus) {}
 
-  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
+  // Not inlined: a driver has many calls, and a board counts bytes.
+  [[gnu::noinline]] core::Result<void, hal::BusError> read(std::uint8_t first,
+                                                           std::span<std::uint8_t> out) {
     return in_bank_of(first, [&] { return bus_.read(in_bank(first), out); });
   }
-  core::Result<void, hal::BusError> write(std::uint8_t address, std::uint8_t value) {
+  [[gnu::noinline]] core::Result<void, hal::BusError> write(std::uint8_t address,
+                                                            std::uint8_t value) {
     return in_bank_of(address, [&] { return bus_.write(in_bank(address), value); });
   }
 
@@ -45,7 +48,7 @@ class BankedRegisters {
     return done ? back : done;
   }
 
-  core::Result<void, hal::BusError> select(std::uint8_t bank) {
+  [[gnu::noinline]] core::Result<void, hal::BusError> select(std::uint8_t bank) {
     is_elsewhere_ = true;
     const auto done = bus_.write(kRegBankSel.address, bank);
     if (done) is_elsewhere_ = bank != 0;

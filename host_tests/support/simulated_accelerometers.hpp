@@ -107,6 +107,19 @@ struct Bmi160WithAcceleration : WithAcceleration<Bmi160, drivers::bmi160::Chip> 
       ConfiguredBits{0x56, 0xF0}, ConfiguredBits{0x47, 0xFE}};
 };
 
+struct Bmi270WithAcceleration : WithAcceleration<Bmi270, drivers::bmi270::Chip> {
+  static constexpr const char* kName = "Bmi270WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 170;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x7C, 0x07}, ConfiguredBits{0x40, 0xFF}, ConfiguredBits{0x41, 0x03},
+      ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x42, 0xFF}, ConfiguredBits{0x43, 0x0F},
+      ConfiguredBits{0x46, 0xFF}, ConfiguredBits{0x47, 0x1F}, ConfiguredBits{0x48, 0x03},
+      ConfiguredBits{0x53, 0x1E}, ConfiguredBits{0x55, 0x01}, ConfiguredBits{0x58, 0x0F},
+      ConfiguredBits{0x49, 0xF0}, ConfiguredBits{0x7D, 0x0F}};
+};
+
 struct Icm20948WithAcceleration : WithAcceleration<Icm20948, drivers::icm20948::Chip> {
   static constexpr const char* kName = "Icm20948WithAcceleration";
   static constexpr float kLsbG = 4.0F / 32768.0F;
@@ -161,6 +174,7 @@ using WiringsWithAcceleration =
                    OverI2c<Icm42688WithAcceleration>, OverSpi<Mpu6500WithAcceleration>,
                    OverI2c<Mpu6050WithAcceleration>, OverSpi<Icm20602WithAcceleration>,
                    OverSpi<Bmi160WithAcceleration>, OverSpi<Icm20948WithAcceleration>,
+                   OverSpi<Bmi270WithAcceleration>, OverI2c<Bmi270WithAcceleration>,
                    OverI2cTwice<Bmi088WithAcceleration>>;
 
 }  // namespace zerorate::support
