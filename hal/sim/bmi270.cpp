@@ -229,6 +229,14 @@ void SimulatedBmi270::finish_loading() {
   judged_at_ = clock_->now() + kJudgement;
 }
 
+void SimulatedBmi270::run(std::uint8_t command) {
+  if (command == 0xB0) fifo_.clear();
+  if (command == 0xB6) {
+    reset_registers();
+    reset_until_ = clock_->now() + kResetTime;
+  }
+}
+
 void SimulatedBmi270::write_register(std::uint8_t address, std::uint8_t value) {
   address &= 0x7FU;
   if (is_resetting() || is_read_only(address)) return;
@@ -239,22 +247,34 @@ void SimulatedBmi270::write_register(std::uint8_t address, std::uint8_t value) {
   const std::uint8_t before = registers_.at(address);
   if (address == init_data) return load(value);
   if (address == cmd) {
-    if (value == 0xB0) fifo_.clear();
-    if (value == 0xB6) {
-      reset_registers();
-      reset_until_ = clock_->now() + kResetTime;
-    }
-    return drive_int1();
+    run(value);
+  } else {
+    registers_.at(address) = value;
+    react(address, static_cast<std::uint8_t>(value & ~before));
   }
-  registers_.at(address) = value;
-  if (address == init_addr_0 || address == init_addr_1) {
-    place_ = std::size_t{2} * ((registers_[init_addr_0] & 0x0FU) | (registers_[init_addr_1] << 4U));
-  }
-  if (address == init_ctrl && (value & ~before & 0x01U) != 0) finish_loading();
-  if (address == pwr_ctrl && (value & ~before & 0x02U) != 0) gyro_on_at_ = clock_->now();
-  if (address == pwr_ctrl && (value & ~before & 0x04U) != 0) accelerometer_on_at_ = clock_->now();
-  if (address == fifo_config_1) fifo_.clear();  // frames of another content
   drive_int1();
+}
+
+/// @param risen  bits of the register that became 1
+void SimulatedBmi270::react(std::uint8_t address, std::uint8_t risen) {
+  switch (address) {
+    case init_addr_0:
+    case init_addr_1:
+      place_ = 2 * (registers_[init_addr_0] % 16U + 16U * registers_[init_addr_1]);
+      break;
+    case init_ctrl:
+      if ((risen & 0x01U) != 0) finish_loading();
+      break;
+    case pwr_ctrl:
+      if ((risen & 0x02U) != 0) gyro_on_at_ = clock_->now();
+      if ((risen & 0x04U) != 0) accelerometer_on_at_ = clock_->now();
+      break;
+    case fifo_config_1:
+      fifo_.clear();  // frames of another content
+      break;
+    default:
+      break;
+  }
 }
 
 std::uint8_t SimulatedBmi270::next_address(std::uint8_t address) const {

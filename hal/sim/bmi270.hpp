@@ -72,6 +72,8 @@ class SimulatedBmi270 : public SimulatedRegisters<128>, public SimulatedAccelero
   [[nodiscard]] std::size_t frame_bytes() const;
   std::uint8_t read_fifo_byte();
   void load(std::uint8_t value);
+  void run(std::uint8_t command);
+  void react(std::uint8_t address, std::uint8_t risen);
   void finish_loading();
   [[nodiscard]] std::uint8_t internal_status() const;
   [[nodiscard]] bool is_initialised() const { return internal_status() == 0x01; }

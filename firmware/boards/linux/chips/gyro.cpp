@@ -47,7 +47,7 @@ Bytes read_config_file(const std::string& path) {
   errno = 0;
   std::ifstream file{path, std::ios::binary};
   if (!file) throw hal::linux_os::KernelFileError(path, errno, kCure);
-  const Bytes bytes{std::istreambuf_iterator<char>{file}, {}};
+  Bytes bytes{std::istreambuf_iterator<char>{file}, {}};
   if (Chip::takes_config_file(bytes.size())) return bytes;
   throw hal::linux_os::KernelFileError(
       path, std::to_string(bytes.size()) + " bytes cannot be the file of this chip", kCure);
