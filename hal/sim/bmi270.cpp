@@ -260,7 +260,7 @@ void SimulatedBmi270::react(std::uint8_t address, std::uint8_t risen) {
   switch (address) {
     case init_addr_0:
     case init_addr_1:
-      place_ = 2 * (registers_[init_addr_0] % 16U + 16U * registers_[init_addr_1]);
+      place_ = std::size_t{2} * (registers_[init_addr_0] % 16U + 16U * registers_[init_addr_1]);
       break;
     case init_ctrl:
       if ((risen & 0x01U) != 0) finish_loading();
