@@ -21,30 +21,9 @@
 
 namespace zerorate::drivers::bmi088 {
 
-/// Registers over SPI as the accelerometer has them: a byte without meaning comes before what is
-/// read (DS001, 6.1.2). Holds a reference: the device must outlive it.
+/// Registers over SPI as the accelerometer has them (DS001, 6.1.2).
 template <hal::SpiDevice Device>
-class AccelerometerSpi {
- public:
-  constexpr explicit AccelerometerSpi(Device& device) : device_(&device) {}
-
-  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
-    const std::array<std::uint8_t, 1> command{static_cast<std::uint8_t>(first | kRead)};
-    std::array<std::uint8_t, 1> dummy{};
-    const std::array operations{hal::Operation::write(command), hal::Operation::read(dummy),
-                                hal::Operation::read(out)};
-    return device_->transaction(operations);
-  }
-  core::Result<void, hal::BusError> write(std::uint8_t address, std::uint8_t value) {
-    const std::array<std::uint8_t, 2> command{address, value};
-    const std::array operations{hal::Operation::write(command)};
-    return device_->transaction(operations);
-  }
-
- private:
-  static constexpr std::uint8_t kRead = 0x80;
-  Device* device_;
-};
+using AccelerometerSpi = SpiRegistersWithDummy<Device>;
 
 /// Buses of the two dies.
 template <class GyroBus, class AccelerometerBus>

@@ -6,6 +6,8 @@
 #include "drivers/adxrs453/chip.hpp"
 #include "drivers/bmi088/chip.hpp"
 #include "drivers/bmi160/chip.hpp"
+#include "drivers/bmi270/chip.hpp"
+#include "drivers/icm20948/chip.hpp"
 #include "drivers/icm42688/chip.hpp"
 #include "drivers/l3gd20h/chip.hpp"
 #include "drivers/lsm6dso/chip.hpp"
@@ -14,7 +16,8 @@
 namespace zerorate::drivers {
 
 /// ChipEntries; each driver lists its own.
-using AllChips = core::Joined<adxrs453::Chips, bmi088::Chips, bmi160::Chips, icm42688::Chips,
-                              l3gd20h::Chips, lsm6dso::Chips, mpu6500::Chips>;
+using AllChips =
+    core::Joined<adxrs453::Chips, bmi088::Chips, bmi160::Chips, bmi270::Chips, icm20948::Chips,
+                 icm42688::Chips, l3gd20h::Chips, lsm6dso::Chips, mpu6500::Chips>;
 
 }  // namespace zerorate::drivers

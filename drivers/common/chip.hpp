@@ -8,6 +8,8 @@
 #include <string_view>
 
 #include "drivers/common/frame_bus.hpp"
+#include "drivers/common/register_access.hpp"
+#include "hal/contract/spi_device.hpp"
 
 namespace zerorate::drivers {
 
@@ -73,6 +75,30 @@ template <class Chip>
 concept RegisterChipEntry = ChipEntry<Chip> && requires {
   Chip::kAddresses[0];
   Chip::kIdentity.reset;
+};
+
+/// Link of a driver of registers on SPI: the chip's own `Spi<Device>`, or
+/// SpiRegisters.
+template <class Chip, hal::SpiDevice Device>
+struct SpiLinkOf {
+  using Type = SpiRegisters<Device>;
+};
+template <class Chip, hal::SpiDevice Device>
+requires requires {
+  typename Chip::template Spi<Device>;
+}
+struct SpiLinkOf<Chip, Device> {
+  using Type = typename Chip::template Spi<Device>;
+};
+template <class Chip, hal::SpiDevice Device>
+using SpiLink = typename SpiLinkOf<Chip, Device>::Type;
+
+/// A chip that needs a file of its maker's at each start: Settings have `config_file`, its bytes,
+/// which must outlive the driver, and `takes_config_file(bytes)` whether one can be of this size.
+template <class Chip>
+concept ConfigFileChipEntry = ChipEntry<Chip> && requires(typename Chip::Settings settings) {
+  settings.config_file;
+  { Chip::takes_config_file(std::size_t{}) } -> std::same_as<bool>;
 };
 
 /// True if the driver accepts a chip with this answer.

@@ -19,6 +19,7 @@ enum class DriverErrorCode : std::uint8_t {
   corrupt_data,    ///< bits that the datasheet fixes are wrong: the transfer is not to be trusted
   sensor_fault,    ///< the chip's own supervision found its data invalid
   frozen,          ///< an axis no longer measures; DriverError::reg has bit i for axis i
+  no_config_file,  ///< the chip needs a file that was not given, or whose size cannot be right
   no_new_samples,  ///< the chip answers, but has measured nothing for long
 };
 
@@ -39,6 +40,8 @@ enum class DriverErrorCode : std::uint8_t {
       return "corrupt data";
     case DriverErrorCode::sensor_fault:
       return "the chip reports a fault";
+    case DriverErrorCode::no_config_file:
+      return "no config file";
     case DriverErrorCode::no_new_samples:
       return "no new samples";
     case DriverErrorCode::frozen:

@@ -3,11 +3,14 @@
 /// types. Reading or writing a register is one bus transaction.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "core/base/assert.hpp"
 #include "core/base/result.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "hal/contract/bus_operation.hpp"
@@ -52,6 +55,54 @@ class SpiRegisters {
   Device* device_;
 };
 
+/// Values for one register, in one transaction; at most kMostBurst of them.
+class BurstCommand {
+ public:
+  static constexpr std::size_t kMostBurst = 64;
+  constexpr BurstCommand(std::uint8_t address, std::span<const std::uint8_t> values)
+      : size_(1 + values.size()) {
+    ZERORATE_ASSERT(values.size() <= kMostBurst);
+    bytes_[0] = address;
+    std::copy(values.begin(), values.end(), bytes_.begin() + 1);
+  }
+  [[nodiscard]] constexpr std::span<const std::uint8_t> bytes() const {
+    return std::span{bytes_}.first(size_);
+  }
+
+ private:
+  std::array<std::uint8_t, 1 + kMostBurst> bytes_{};
+  std::size_t size_;
+};
+
+/// Registers over SPI as some of Bosch's dies have them: a byte without meaning comes before what
+/// is read. Holds a reference: the device must outlive it.
+template <hal::SpiDevice Device>
+class SpiRegistersWithDummy {
+ public:
+  constexpr explicit SpiRegistersWithDummy(Device& device) : device_(&device) {}
+
+  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
+    const std::array<std::uint8_t, 1> command{static_cast<std::uint8_t>(first | kRead)};
+    std::array<std::uint8_t, 1> dummy{};
+    const std::array operations{hal::Operation::write(command), hal::Operation::read(dummy),
+                                hal::Operation::read(out)};
+    return device_->transaction(operations);
+  }
+  core::Result<void, hal::BusError> write(std::uint8_t address, std::uint8_t value) {
+    return write(address, std::span<const std::uint8_t>{&value, 1});
+  }
+  core::Result<void, hal::BusError> write(std::uint8_t address,
+                                          std::span<const std::uint8_t> values) {
+    const BurstCommand command{address, values};
+    const std::array operations{hal::Operation::write(command.bytes())};
+    return device_->transaction(operations);
+  }
+
+ private:
+  static constexpr std::uint8_t kRead = 0x80;
+  Device* device_;
+};
+
 /// Registers over I2C: the address is written first, and a read follows a repeated START.
 /// Holds a reference: the bus must outlive it.
 template <hal::I2cBus Bus>
@@ -70,6 +121,12 @@ class I2cRegisters {
     const std::array operations{hal::Operation::write(command)};
     return bus_->transaction(device_, operations);
   }
+  core::Result<void, hal::BusError> write(std::uint8_t address,
+                                          std::span<const std::uint8_t> values) {
+    const BurstCommand command{address, values};
+    const std::array operations{hal::Operation::write(command.bytes())};
+    return bus_->transaction(device_, operations);
+  }
 
  private:
   Bus* bus_;
@@ -81,6 +138,14 @@ template <RegisterBus Bus>
 inline constexpr bool kIsSpi = false;
 template <hal::SpiDevice Device>
 inline constexpr bool kIsSpi<SpiRegisters<Device>> = true;
+template <hal::SpiDevice Device>
+inline constexpr bool kIsSpi<SpiRegistersWithDummy<Device>> = true;
+
+/// A bus that writes several values to one register, at most BurstCommand::kMostBurst.
+template <class Bus>
+concept BurstBus = RegisterBus<Bus> && requires(Bus& bus, std::span<const std::uint8_t> values) {
+  { bus.write(std::uint8_t{}, values) } -> std::same_as<core::Result<void, hal::BusError>>;
+};
 
 enum class Access : std::uint8_t { read_only, write_only, read_write };
 

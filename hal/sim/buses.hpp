@@ -17,10 +17,20 @@
 
 namespace zerorate::hal::sim {
 
+/// Bytes without meaning that a chip sends before what is read.
+template <RegisterChip Chip>
+inline constexpr std::size_t kSpiDummies = [] {
+  if constexpr (requires { Chip::kSpiDummies; }) {
+    return Chip::kSpiDummies;
+  } else {
+    return std::size_t{0};
+  }
+}();
+
 /// An SpiDevice: while selected, the first byte is the address with bit 7 set to read; every byte
 /// after it is data.
 /// @tparam kDummies  bytes without meaning before what is read, as some dies send them
-template <RegisterChip Chip, std::size_t kDummies = 0>
+template <RegisterChip Chip, std::size_t kDummies = kSpiDummies<Chip>>
 class SimulatedSpiDevice {
  public:
   explicit SimulatedSpiDevice(Chip& chip) : chip_(&chip) {}

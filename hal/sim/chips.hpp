@@ -6,6 +6,8 @@
 #include "hal/sim/adxrs453.hpp"
 #include "hal/sim/bmi088.hpp"
 #include "hal/sim/bmi160.hpp"
+#include "hal/sim/bmi270.hpp"
+#include "hal/sim/icm20948.hpp"
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/l3gd20h.hpp"
 #include "hal/sim/lsm6dso.hpp"
@@ -16,10 +18,10 @@ namespace zerorate::hal::sim {
 
 using AllSimulatedChips =
     core::TypeList<SimulatedAdxrs453, SimulatedAsm330lhh, SimulatedBmi088, SimulatedBmi160,
-                   SimulatedIcm20602, SimulatedIcm20689, SimulatedIcm42605, SimulatedIcm42688,
-                   SimulatedIim42652, SimulatedIsm330dhcx, SimulatedL3g4200d, SimulatedL3gd20,
-                   SimulatedL3gd20h, SimulatedLsm6ds3trC, SimulatedLsm6dsl, SimulatedLsm6dso,
-                   SimulatedLsm6dsox, SimulatedLsm6dsr, SimulatedLsm6dsv16x, SimulatedMpu6500,
-                   SimulatedMpu6886>;
+                   SimulatedBmi270, SimulatedIcm20602, SimulatedIcm20689, SimulatedIcm20948,
+                   SimulatedIcm42605, SimulatedIcm42688, SimulatedIim42652, SimulatedIsm330dhcx,
+                   SimulatedL3g4200d, SimulatedL3gd20, SimulatedL3gd20h, SimulatedLsm6ds3trC,
+                   SimulatedLsm6dsl, SimulatedLsm6dso, SimulatedLsm6dsox, SimulatedLsm6dsr,
+                   SimulatedLsm6dsv16x, SimulatedMpu6500, SimulatedMpu6886>;
 
 }  // namespace zerorate::hal::sim

@@ -28,7 +28,17 @@ struct GyroRig {
   template <class... ChipOptions>
   explicit GyroRig(typename Gyro::Settings settings = {}, core::Instant begin = {},
                    ChipOptions... chip_options)
-      : clock(begin), chip(clock, chip_options...), driver(Wiring::link(faults), settings) {}
+      : clock(begin),
+        chip(clock, chip_options...),
+        driver(Wiring::link(faults), prepared(settings)) {}
+
+  /// Settings with the file that the simulated chip takes, where it needs one.
+  static typename Gyro::Settings prepared(typename Gyro::Settings settings) {
+    if constexpr (requires { settings.config_file; }) {
+      settings.config_file = Gyro::Simulated::config_file();
+    }
+    return settings;
+  }
 
   /// Calls start() every millisecond until it gives something else than not_ready, for a second.
   core::Result<void, drivers::DriverError> start() {

@@ -107,6 +107,34 @@ struct Bmi160WithAcceleration : WithAcceleration<Bmi160, drivers::bmi160::Chip> 
       ConfiguredBits{0x56, 0xF0}, ConfiguredBits{0x47, 0xFE}};
 };
 
+struct Bmi270WithAcceleration : WithAcceleration<Bmi270, drivers::bmi270::Chip> {
+  static constexpr const char* kName = "Bmi270WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 170;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x7C, 0x07}, ConfiguredBits{0x40, 0xFF}, ConfiguredBits{0x41, 0x03},
+      ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x42, 0xFF}, ConfiguredBits{0x43, 0x0F},
+      ConfiguredBits{0x46, 0xFF}, ConfiguredBits{0x47, 0x1F}, ConfiguredBits{0x48, 0x03},
+      ConfiguredBits{0x53, 0x1E}, ConfiguredBits{0x55, 0x01}, ConfiguredBits{0x58, 0x0F},
+      ConfiguredBits{0x49, 0xF0}, ConfiguredBits{0x7D, 0x0F}};
+};
+
+struct Icm20948WithAcceleration : WithAcceleration<Icm20948, drivers::icm20948::Chip> {
+  static constexpr const char* kName = "Icm20948WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr std::size_t kFifoCapacity = 42;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x06, 0xFF}, ConfiguredBits{0x89, 0x01}, ConfiguredBits{0x90, 0x0F},
+      ConfiguredBits{0x91, 0xFF}, ConfiguredBits{0x94, 0x3F}, ConfiguredBits{0x05, 0x30},
+      ConfiguredBits{0x07, 0x3F}, ConfiguredBits{0x80, 0xFF}, ConfiguredBits{0x81, 0x3F},
+      ConfiguredBits{0x82, 0x38}, ConfiguredBits{0x0F, 0xFE}, ConfiguredBits{0x10, 0x8F},
+      ConfiguredBits{0x11, 0x01}, ConfiguredBits{0x12, 0x1F}, ConfiguredBits{0x13, 0x1F},
+      ConfiguredBits{0x66, 0x0F}, ConfiguredBits{0x69, 0x1F}, ConfiguredBits{0x67, 0x1F},
+      ConfiguredBits{0x03, 0xF0}};
+};
+
 /// Two dies on one I2C bus. The gyro's samples come 55 ms later: the accelerometer needs so long.
 struct Bmi088WithAcceleration : WithAcceleration<Bmi088, drivers::bmi088::Chip> {
   static constexpr const char* kName = "Bmi088WithAcceleration";
@@ -145,6 +173,8 @@ using WiringsWithAcceleration =
                    OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
                    OverI2c<Icm42688WithAcceleration>, OverSpi<Mpu6500WithAcceleration>,
                    OverI2c<Mpu6050WithAcceleration>, OverSpi<Icm20602WithAcceleration>,
-                   OverSpi<Bmi160WithAcceleration>, OverI2cTwice<Bmi088WithAcceleration>>;
+                   OverSpi<Bmi160WithAcceleration>, OverSpi<Icm20948WithAcceleration>,
+                   OverSpi<Bmi270WithAcceleration>, OverI2c<Bmi270WithAcceleration>,
+                   OverI2cTwice<Bmi088WithAcceleration>>;
 
 }  // namespace zerorate::support

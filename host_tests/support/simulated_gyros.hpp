@@ -232,6 +232,77 @@ struct Bmi160 {
   static constexpr core::Duration kLatest = core::Duration::milliseconds(70);
 };
 
+struct Bmi270 : Bmi160 {
+  static constexpr const char* kName = "Bmi270";
+  using Simulated = hal::sim::SimulatedBmi270;
+  using Settings = drivers::bmi270::Settings;
+  using FullScale = drivers::bmi270::FullScale;
+  template <class Bus>
+  using Driver = drivers::Bmi270<Bus>;
+  template <class Device>
+  using Spi = drivers::SpiRegistersWithDummy<Device>;
+
+  static constexpr Settings kDataReady{.mode = drivers::bmi270::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::bmi270::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 1.0F / 262.144F, 124.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr std::size_t kFifoCapacity = 341;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x7C, 0x07}, ConfiguredBits{0x45, 0xFF}, ConfiguredBits{0x42, 0xFF},
+      ConfiguredBits{0x43, 0x0F}, ConfiguredBits{0x46, 0xFF}, ConfiguredBits{0x47, 0x1F},
+      ConfiguredBits{0x48, 0x03}, ConfiguredBits{0x53, 0x1E}, ConfiguredBits{0x55, 0x01},
+      ConfiguredBits{0x58, 0x0F}, ConfiguredBits{0x49, 0xF0}, ConfiguredBits{0x7D, 0x0F}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(160);
+  /// 85 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(115);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(125);
+};
+
+struct Icm20948 {
+  static constexpr const char* kName = "Icm20948";
+  using Simulated = hal::sim::SimulatedIcm20948;
+  using Settings = drivers::icm20948::Settings;
+  using FullScale = drivers::icm20948::FullScale;
+  template <class Bus>
+  using Driver = drivers::Icm20948<Bus>;
+  static constexpr hal::I2cAddress kAddress{0x68};
+
+  static constexpr Settings kDataReady{.mode = drivers::icm20948::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::icm20948::Mode::fifo};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F}};
+  static constexpr float kLsbDps = 1.0F / 131.072F;
+  static constexpr float kFullScaleDps = 250.0F;
+  static constexpr std::int16_t kLowestRaw = -32768;
+  static constexpr float kTemperatureLsb = 1.0F / 333.87F;
+  /// They are not, but a flipped bit makes of the level no multiple of a sample.
+  static constexpr bool kFramesAreMarked = true;
+  static constexpr std::size_t kVerifyTransactions = 1;
+  static constexpr bool kIsSampledByReading = false;
+  static constexpr std::size_t kFifoCapacity = 85;
+  static constexpr bool kHasWatermark = false;
+
+  static constexpr std::uint8_t kIdentity = 0x00;
+  /// Bit 7 of an address is bank 2.
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x06, 0xFF}, ConfiguredBits{0x05, 0x30}, ConfiguredBits{0x07, 0x3F},
+      ConfiguredBits{0x80, 0xFF}, ConfiguredBits{0x81, 0x3F}, ConfiguredBits{0x82, 0x38},
+      ConfiguredBits{0x0F, 0xFE}, ConfiguredBits{0x10, 0x8F}, ConfiguredBits{0x11, 0x01},
+      ConfiguredBits{0x12, 0x1F}, ConfiguredBits{0x13, 0x1F}, ConfiguredBits{0x66, 0x0F},
+      ConfiguredBits{0x69, 0x1F}, ConfiguredBits{0x67, 0x1F}, ConfiguredBits{0x03, 0xF0}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(200);
+  /// 70 ms and three samples of 125 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(94);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(104);
+};
+
 struct Adxrs453 {
   static constexpr const char* kName = "Adxrs453";
   using Simulated = hal::sim::SimulatedAdxrs453;
@@ -267,7 +338,7 @@ template <class G>
 struct OverSpi {
   using Gyro = G;
   using Bus = hal::sim::SimulatedSpiDevice<typename G::Simulated>;
-  using Link = drivers::SpiRegisters<hal::testing::FaultInjector<Bus>>;
+  using Link = drivers::SpiLink<G, hal::testing::FaultInjector<Bus>>;
   using Driver = typename G::template Driver<Link>;
   static Bus attach(typename G::Simulated& chip) { return Bus{chip}; }
   static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
@@ -300,7 +371,8 @@ using WiringsWithFifo =
                    OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>, OverSpi<Lsm6dsr>,
                    OverI2c<Lsm6dsox>, OverSpi<Icm42605>, OverI2c<Iim42652>, OverSpi<Icm20689>,
                    OverSpi<Icm20602>, OverI2c<Icm20602>, OverI2c<Mpu6886>, OverSpi<L3gd20h>,
-                   OverI2c<L3gd20h>, OverSpi<Bmi160>, OverI2c<Bmi160>, OverI2c<L3g4200d>>;
+                   OverI2c<L3gd20h>, OverSpi<Bmi160>, OverI2c<Bmi160>, OverI2c<L3g4200d>,
+                   OverSpi<Icm20948>, OverI2c<Icm20948>, OverSpi<Bmi270>, OverI2c<Bmi270>>;
 /// The other chips.
 using WiringsWithoutFifo =
     core::TypeList<OverFrames<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>>;

@@ -168,7 +168,7 @@ template <class Gyro, class Link>
 template <class Chip>
 void exercise_driver() {
   if constexpr (drivers::RegisterChipEntry<Chip>) {
-    using Link = drivers::SpiRegisters<SomeSpi>;
+    using Link = drivers::SpiLink<Chip, SomeSpi>;
     exercise_on<typename Chip::template Driver<Link>>(Link{spi});
   } else {
     using Link = drivers::SpiFrames<SomeSpi>;
@@ -182,7 +182,7 @@ void exercise_drivers() {
 
 template <class Chip>
 void exercise_accelerometer() {
-  using Link = drivers::SpiRegisters<SomeSpi>;
+  using Link = drivers::SpiLink<Chip, SomeSpi>;
   if constexpr (drivers::TwoDieChipEntry<Chip>) {
     using Die = typename Chip::template AccelerometerSpi<SomeSpi>;
     using Buses = decltype(Chip::buses(Link{spi}, Die{spi}));

@@ -197,9 +197,19 @@ void read_acceleration(StrictTable& table, const ChipDescription& chip, GyroSett
                                      chip.usual_acceleration_range_g);
 }
 
+/// Path of a file that the chip needs and that is not ours to bring.
+void read_config_file(StrictTable& table, const ChipDescription& chip, GyroSettings& gyro) {
+  constexpr std::string_view kWords =
+      "the path of the maker's file for this chip, which it needs at each start";
+  if (!chip.needs_config_file) return;
+  (void)table.find("config_file", kWords, Presence::required);
+  gyro.config_file = *name_at(table, "config_file", Presence::required);
+}
+
 void read_gyro(StrictTable& table, Configuration& configuration, ErrorList& errors) {
   GyroSettings& gyro = configuration.gyro;
-  static constexpr std::array<std::string_view, 13> kKeys{"accelerometer_address",
+  static constexpr std::array<std::string_view, 14> kKeys{"config_file",
+                                                          "accelerometer_address",
                                                           "accelerometer_device",
                                                           "bus",
                                                           "device",
@@ -235,6 +245,7 @@ void read_gyro(StrictTable& table, Configuration& configuration, ErrorList& erro
     });
     return read_simulation(table, gyro, errors);
   }
+  errors.attempt([&] { read_config_file(table, chip, gyro); });
   errors.attempt([&] {
     gyro.fifo = table.boolean("fifo", Presence::optional).value_or(false);
     if (gyro.fifo && !chip.has_fifo) table.fail_at("fifo", "the chip has none");

@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "drivers/common/chip.hpp"
 #include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/snapshot.hpp"
@@ -37,7 +38,7 @@ inline void start_bus() {
 #else
 using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi>;
 using Wire = std::conditional_t<drivers::FrameChipEntry<Chip>, drivers::SpiFrames<Bus>,
-                                drivers::SpiRegisters<Bus>>;
+                                drivers::SpiLink<Chip, Bus>>;
 inline constexpr auto kSpiMode =
     Chip::kSpiMode == 0 ? hal::rp2040::SpiMode::mode_0 : hal::rp2040::SpiMode::mode_3;
 inline void start_bus() {

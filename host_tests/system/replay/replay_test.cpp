@@ -42,6 +42,8 @@ constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
                             ChipUnderTest{"mpu6500", 1.0 / 131.072, kRates},
                             ChipUnderTest{"l3gd20h", 8.75e-3, kRates, false},
                             ChipUnderTest{"bmi160", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"bmi270", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"icm20948", 1.0 / 131.072, kRates},
                             ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},
                             ChipUnderTest{"adxrs453", 1.0 / 80.0, kOneRate, false}};
 

@@ -71,8 +71,17 @@ std::unique_ptr<SimulatedGyro> assemble(const hal::sim::SimulatedClock& clock, L
 
 template <class Simulated>
 using SpiOf = hal::sim::SimulatedSpiDevice<Simulated>;
-template <class Simulated>
-constexpr auto kRegisters = [](SpiOf<Simulated>& device) { return drivers::SpiRegisters{device}; };
+template <class Chip, class Simulated>
+constexpr auto kRegisters =
+    [](SpiOf<Simulated>& device) { return drivers::SpiLink<Chip, SpiOf<Simulated>>{device}; };
+
+/// Settings of the driver, with the file that the simulated chip takes.
+template <class Chip, class Simulated>
+typename Chip::Settings usual_settings() {
+  typename Chip::Settings settings{};
+  if constexpr (drivers::ConfigFileChipEntry<Chip>) settings.config_file = Simulated::config_file();
+  return settings;
+}
 
 /// The driver that reads the accelerometer, too.
 template <drivers::AccelerometerChipEntry Chip, class Simulated>
@@ -80,7 +89,7 @@ std::unique_ptr<SimulatedGyro> make_with_acceleration(const hal::sim::SimulatedC
   const auto range = std::ranges::find_if(Chip::kAccelerationRanges, [](const auto& choice) {
                        return choice.value == Chip::kUsualAccelerationRange_g;
                      })->code;
-  const typename Chip::Settings settings{};
+  const auto settings = usual_settings<Chip, Simulated>();
   if constexpr (drivers::TwoDieChipEntry<Chip>) {
     using Device = typename Simulated::Module::Spi;
     const auto link = [](Device& device) {
@@ -93,7 +102,7 @@ std::unique_ptr<SimulatedGyro> make_with_acceleration(const hal::sim::SimulatedC
         clock, link, settings, range);
   } else {
     return assemble<Simulated, SpiOf<Simulated>, Chip::template DriverWithAcceleration>(
-        clock, kRegisters<Simulated>, settings, range);
+        clock, kRegisters<Chip, Simulated>, settings, range);
   }
 }
 
@@ -105,7 +114,7 @@ std::unique_ptr<SimulatedGyro> make(const hal::sim::SimulatedClock& clock,
   }
   if constexpr (drivers::RegisterChipEntry<Chip>) {
     return assemble<Simulated, SpiOf<Simulated>, Chip::template Driver>(
-        clock, kRegisters<Simulated>, typename Chip::Settings{});
+        clock, kRegisters<Chip, Simulated>, usual_settings<Chip, Simulated>());
   } else {
     using Device = hal::sim::SimulatedFrameSpi<Simulated>;
     // The chip has no rate of its own; shorter than any recording's, each row is due.

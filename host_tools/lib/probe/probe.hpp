@@ -73,7 +73,7 @@ std::vector<Attempt> probe_spi(const std::string& device, System system = {}) {
   drivers::AllChips::for_each([&]<class Chip> {
     if constexpr (drivers::RegisterChipEntry<Chip>) {
       Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
-      attempts.push_back(detail::ask<Chip>(drivers::SpiRegisters{spi}));
+      attempts.push_back(detail::ask<Chip>(drivers::SpiLink<Chip, Spi>{spi}));
       attempts.back().error_number = spi.error_number();
     }
   });

@@ -2,6 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -32,6 +38,21 @@ auto settings_of(const GyroSettings& wanted) {
                         code_of(wanted.full_scale_dps, Chip::kFullScales), wanted.fifo);
 }
 
+using Bytes = std::vector<std::uint8_t>;
+
+/// File of the chip's maker. Throws KernelFileError.
+template <drivers::ConfigFileChipEntry Chip>
+Bytes read_config_file(const std::string& path) {
+  constexpr const char* kCure = "config_file of [gyro] names the maker's file for this chip";
+  errno = 0;
+  std::ifstream file{path, std::ios::binary};
+  if (!file) throw hal::linux_os::KernelFileError(path, errno, kCure);
+  Bytes bytes{std::istreambuf_iterator<char>{file}, {}};
+  if (Chip::takes_config_file(bytes.size())) return bytes;
+  throw hal::linux_os::KernelFileError(
+      path, std::to_string(bytes.size()) + " bytes cannot be the file of this chip", kCure);
+}
+
 template <class Chip, drivers::RegisterBus Bus>
 std::optional<std::uint32_t> identity_of(Bus bus) {
   const auto identity = drivers::read_register(bus, Chip::kIdentity);
@@ -47,6 +68,10 @@ std::optional<std::uint32_t> identity_of(Bus bus) {
   if (!reply) return std::nullopt;
   return *reply;
 }
+
+constexpr const char* kFileNotTaken =
+    "the chip did not take config_file of [gyro]: another chip's, or damaged";
+constexpr const char* kNoFile = "config_file of [gyro] is missing, which the chip needs";
 
 constexpr const char* kNoAccelerometer =
     "the gyro answers, but its accelerometer gives another identity or none (is it wired? see "
@@ -77,6 +102,10 @@ class BoundGyro final : public drivers::ErasedGyro<Wire, Driver, DeviceGyro> {
         reason.identity = identity_of<Chip>(link);
       }
     }
+    if constexpr (drivers::ConfigFileChipEntry<Chip>) {
+      if (code == drivers::DriverErrorCode::sensor_fault) reason.told = kFileNotTaken;
+      if (code == drivers::DriverErrorCode::no_config_file) reason.told = kNoFile;
+    }
     return reason;
   }
 
@@ -93,8 +122,9 @@ std::unique_ptr<DeviceGyro> bound(Link link, const Node& node, const Settings&..
 }
 
 template <class Chip, class Wire, class Link, class Node>
-std::unique_ptr<DeviceGyro> bind(const GyroSettings& wanted, Link link, const Node& node) {
-  const auto settings = settings_of<Chip>(wanted);
+std::unique_ptr<DeviceGyro> bind_with(const GyroSettings& wanted,
+                                      const typename Chip::Settings& settings, Link link,
+                                      const Node& node) {
   if constexpr (drivers::AccelerometerChipEntry<Chip> && !drivers::TwoDieChipEntry<Chip>) {
     if (wanted.acceleration_range_g) {
       const auto range = code_of(*wanted.acceleration_range_g, Chip::kAccelerationRanges);
@@ -102,6 +132,21 @@ std::unique_ptr<DeviceGyro> bind(const GyroSettings& wanted, Link link, const No
     }
   }
   return bound<Chip, Wire, Chip::template Driver>(link, node, settings);
+}
+
+template <class Chip, class Wire, class Link, class Node>
+std::unique_ptr<DeviceGyro> bind(const GyroSettings& wanted, Link link, const Node& node) {
+  auto settings = settings_of<Chip>(wanted);
+  if constexpr (drivers::ConfigFileChipEntry<Chip>) {
+    if (!wanted.config_file.empty()) {
+      // The gyro keeps its link, and the link keeps the file.
+      const auto file = std::make_shared<const Bytes>(read_config_file<Chip>(wanted.config_file));
+      settings.config_file = *file;
+      const auto keeping = [link, file](Wire& wire) { return link(wire); };
+      return bind_with<Chip, Wire>(wanted, settings, keeping, node);
+    }
+  }
+  return bind_with<Chip, Wire>(wanted, settings, link, node);
 }
 
 /// The nodes of two dies that share a bus of SPI.
@@ -159,7 +204,7 @@ std::unique_ptr<DeviceGyro> make(const GyroSettings& wanted) {
           wanted.device);
     }
     return bind<Chip, Spi>(
-        wanted, [](Spi& wire) { return drivers::SpiRegisters{wire}; }, spi);
+        wanted, [](Spi& wire) { return drivers::SpiLink<Chip, Spi>{wire}; }, spi);
   } else {
     return bind<Chip, Spi>(
         wanted, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
@@ -223,6 +268,7 @@ ChipDescription describe() {
           .highest_speed_hz = Chip::kHighestSpi_hz,
           .has_fifo = Chip::kHasFifo,
           .has_thermometer = Chip::kHasThermometer,
+          .needs_config_file = drivers::ConfigFileChipEntry<Chip>,
           .counts = Chip::kCounts,
           .identity = kIdentity<Chip>,
           .make = make<Chip>};

@@ -31,6 +31,7 @@ struct GyroSettings {
   double rate_hz = 0.0;                ///< one of the chip's
   double full_scale_dps = 0.0;         ///< one of the chip's
   bool fifo = false;                   ///< samples through the chip's FIFO
+  std::string config_file;  ///< path of the file that the chip needs at each start; empty: none
   /// Range of the accelerometer, one of the chip's; none: samples carry no acceleration.
   std::optional<double> acceleration_range_g;
   std::uint8_t accelerometer_address = 0;  ///< on I2C, of a chip whose accelerometer answers apart
@@ -77,8 +78,10 @@ struct ChipDescription {
   std::uint32_t highest_speed_hz;           ///< on SPI
   bool has_fifo;
   bool has_thermometer;
+  bool needs_config_file;                ///< a file of its maker's, at each start
   double counts;                         ///< at full scale; one is the LSB
   std::optional<std::uint8_t> identity;  ///< answer of a chip with registers
+  /// Throws hal::linux_os::KernelFileError where the config file cannot be read or cannot be one.
   /// @param settings must be possible by this description
   std::unique_ptr<DeviceGyro> (*make)(const GyroSettings& settings);
 };

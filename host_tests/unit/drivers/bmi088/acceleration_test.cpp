@@ -157,19 +157,6 @@ TEST(Bmi088WithAcceleration, GoesOnAfterAFrameWithAnotherHeader) {
   EXPECT_TRUE(out[0].has_acceleration);
 }
 
-TEST(AccelerometerSpi, ReadsADummyByteFirst) {
-  using hal::testing::reads;
-  using hal::testing::writes;
-  hal::testing::ScriptedSpiDevice spi;
-  bmi088::AccelerometerSpi registers{spi};
-  spi.expect({writes({0x80}), reads({0xFF}), reads({0x1E})});
-  std::array<std::uint8_t, 1> identity{};
-  ASSERT_TRUE(registers.read(0x00, identity));
-  EXPECT_EQ(identity[0], 0x1E);
-  spi.expect({writes({0x7D, 0x04})});
-  EXPECT_TRUE(registers.write(0x7D, 0x04));
-}
-
 TEST(Bmi088WithAcceleration, OnSpiReadsTheIdentityTwice) {
   using hal::testing::reads;
   using hal::testing::writes;

@@ -33,6 +33,19 @@ TEST(SpiRegisters, SetBit7OfTheAddressToRead) {
   EXPECT_EQ(values, (std::array<std::uint8_t, 3>{1, 2, 3}));
 }
 
+TEST(SpiRegistersWithDummy, ReadsADummyByteFirst) {
+  hal::testing::ScriptedSpiDevice spi;
+  SpiRegistersWithDummy registers{spi};
+  spi.expect({writes({0x80}), reads({0xFF}), reads({0x1E})});
+  std::array<std::uint8_t, 1> identity{};
+  ASSERT_TRUE(registers.read(0x00, identity));
+  EXPECT_EQ(identity[0], 0x1E);
+  spi.expect({writes({0x7D, 0x04})});
+  EXPECT_TRUE(registers.write(0x7D, 0x04));
+  spi.expect({writes({0x5E, 1, 2, 3})});
+  EXPECT_TRUE(registers.write(0x5E, std::array<std::uint8_t, 3>{1, 2, 3}));
+}
+
 TEST(SpiRegisters, WriteAddressAndValueUnderOneSelection) {
   hal::testing::ScriptedSpiDevice spi;
   spi.expect({writes({0x11, 0x40})});

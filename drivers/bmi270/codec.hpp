@@ -1,0 +1,124 @@
+/// @file
+/// Meaning of the BMI270's bits, as pure functions; README.md gives the source of each fact.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/base/units.hpp"
+#include "drivers/bmi270/registers.hpp"
+
+namespace zerorate::drivers::bmi270 {
+
+/// Full scale; the values are the code of gyr_range.
+enum class FullScale : std::uint8_t {
+  dps_2000 = 0,
+  dps_1000 = 1,
+  dps_500 = 2,
+  dps_250 = 3,
+  dps_125 = 4,
+};
+
+/// Output data rate; the values are the code of gyr_odr and acc_odr, which is 8 at 100 Hz. Each
+/// code above it doubles the rate.
+enum class OutputDataRate : std::uint8_t {
+  hz_25 = 6,
+  hz_50 = 7,
+  hz_100 = 8,
+  hz_200 = 9,
+  hz_400 = 10,
+  hz_800 = 11,
+  hz_1600 = 12,
+};
+
+/// Count at which the chip clips.
+inline constexpr std::int16_t kFullScaleRaw = 32767;
+
+/// The rate of one LSB: full scale by 2^15.
+[[nodiscard]] constexpr core::AngularRate lsb(FullScale full_scale) {
+  const unsigned code = static_cast<unsigned>(full_scale);
+  return core::deg_per_s(2000.0F / static_cast<float>(32768U << code));
+}
+
+/// GYR_RANGE. At the widest range that of the second interface is set to it too: a user saw wrong
+/// scales in the FIFO without it (README).
+[[nodiscard]] constexpr std::uint8_t encode_range(FullScale full_scale) {
+  constexpr unsigned kSecondInterface = 0x08;
+  const unsigned code = static_cast<unsigned>(full_scale);
+  return static_cast<std::uint8_t>(full_scale == FullScale::dps_2000 ? kSecondInterface : code);
+}
+
+/// Full scale of the accelerometer; the values are the code of ACC_RANGE.
+enum class AccelerationRange : std::uint8_t { g_2 = 0, g_4 = 1, g_8 = 2, g_16 = 3 };
+
+/// The specific force of one LSB: full scale by 2^15.
+[[nodiscard]] constexpr core::Acceleration acceleration_lsb(AccelerationRange range) {
+  return core::standard_gravity(static_cast<float>(2U << static_cast<unsigned>(range)) / 32768.0F);
+}
+
+/// Temperature of a count: 512 LSB a degree, 0 at 23 degC.
+[[nodiscard]] constexpr core::Temperature decode_temperature(std::int16_t raw) {
+  return core::Temperature::from_degc(23.0F + static_cast<float>(raw) * (1.0F / 512.0F));
+}
+
+/// True if INTERNAL_STATUS is that of a chip that took its file: the line is not stuck, and the
+/// chip has not lost its supply since.
+[[nodiscard]] constexpr bool is_initialised(std::uint8_t internal_status) {
+  return (internal_status & bits::kInternalStatusMessage) == bits::kInternalStatusInitOk;
+}
+
+/// True if a file of this size can be Bosch's: whole words, and no more than the chip's memory.
+[[nodiscard]] constexpr bool is_config_file_size(std::size_t bytes) {
+  constexpr std::size_t kMost = 8192;
+  return bytes > 0 && bytes <= kMost && bytes % 2 == 0;
+}
+
+/// INIT_ADDR_0 and INIT_ADDR_1 for the word at so many bytes: its number, whose lowest four bits go
+/// into the first.
+struct InitAddress {
+  std::uint8_t low;
+  std::uint8_t high;
+};
+[[nodiscard]] constexpr InitAddress encode_init_address(std::size_t bytes) {
+  const std::size_t word = bytes / 2;
+  return {static_cast<std::uint8_t>(word & 0x0FU), static_cast<std::uint8_t>(word >> 4U)};
+}
+
+/// Level of the FIFO.
+struct FifoLevel {
+  std::uint16_t frames;  ///< complete frames that wait
+  bool is_whole;         ///< whether there are no bytes beside them
+  bool is_overrun;       ///< whether frames were lost, or are about to be
+  bool is_plausible;     ///< whether the FIFO can contain so much
+};
+
+/// Level by FIFO_LENGTH_0 and 1, 14 bits. A frame has six or twelve bytes; 2048 is no multiple of
+/// either. Room for three frames is kept free: nothing shows that the chip dropped the oldest.
+[[nodiscard]] constexpr FifoLevel decode_fifo_length(std::uint8_t low, std::uint8_t high,
+                                                     unsigned frame_bytes) {
+  const auto bytes = static_cast<unsigned>(low | ((high & 0x3FU) << 8U));
+  return {static_cast<std::uint16_t>(bytes / frame_bytes), bytes % frame_bytes == 0,
+          bytes + 3 * frame_bytes > kFifoBytes, bytes <= kFifoBytes};
+}
+
+/// Nominal period: the chip has no trim register.
+[[nodiscard]] constexpr core::Duration sample_period(OutputDataRate rate) {
+  constexpr unsigned kCodeOf1600Hz = 12;
+  return core::Duration::microseconds(std::int64_t{625}
+                                      << (kCodeOf1600Hz - static_cast<unsigned>(rate)));
+}
+
+/// Times until the chip may be used: after a reset, after its power save was switched off, and
+/// after its file was loaded.
+inline constexpr core::Duration kResetTime = core::Duration::milliseconds(10);
+inline constexpr core::Duration kWakeTime = core::Duration::milliseconds(1);
+inline constexpr core::Duration kLoadTime = core::Duration::milliseconds(150);
+
+/// Time after configuration until the output may be used: the start of the gyro, and three samples
+/// for those that are not aligned with our clock.
+[[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
+  return core::Duration::milliseconds(85) + period * 3;
+}
+
+}  // namespace zerorate::drivers::bmi270
