@@ -35,7 +35,7 @@ TESTS = (
     (re.compile(r"def (test_\w+)\("), r"\1"),
     (re.compile(r"add_test\(NAME (\S+)"), r"\1"),
     (re.compile(r"(?:build_test\(|zerorate_program_test\(|set\(test )([^\s)]+)"), r"\1"),
-    (re.compile(r"compile_fail\((\w+)"), r"compile_fail.\1"),
+    (re.compile(r"(?:compile_fail|link_test)\((\w+)"), r"compile_fail.\1"),
     (re.compile(r"zerorate_fuzzer\((\w+)"), r"fuzz.\1.corpus"),
 )
 

@@ -32,6 +32,7 @@ if(CCACHE_PROGRAM)
 endif()
 
 option(ZERORATE_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+option(ZERORATE_COVERAGE "Let unit and contract tests count the lines and branches that they reach (GCC)" OFF)
 option(ZERORATE_FUZZ "Let all code tell the fuzzers what of it was reached (clang)" OFF)
 
 # Flags of all our own code. Designated initialisers rely on member defaults, so their warning is

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0
+// SPDX-License-Identifier: GPL-2.0-only
 /*
  * For tests only: an i2c_adapter and an spi_controller whose devices are a process behind
  * /dev/zerorate_bus. i2c-dev, spidev and the drivers of chips above them are the kernel's own.

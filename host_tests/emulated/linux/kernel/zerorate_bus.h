@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: GPL-2.0 WITH Linux-syscall-note */
+/* SPDX-License-Identifier: GPL-2.0-only WITH Linux-syscall-note */
 /*
  * What a process finds in /dev/zerorate_bus: each read() gives one transaction, each write() answers
  * the one that was read last.

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0
+// SPDX-License-Identifier: GPL-2.0-only
 /*
  * For tests only: a GPIO chip of eight inputs. A process drives them by writing "LINE LEVEL" to
  * /dev/zerorate_lines; edges are interrupts, so that the kernel's character device stamps them.

@@ -12,6 +12,7 @@
 
 #include "host_tests/support/checksum.hpp"
 #include "host_tests/unit/firmware/c_api/c_api_rig.hpp"
+#include "host_tests/unit/firmware/c_api/forged_model.hpp"
 
 namespace zerorate::c_api {
 namespace {
@@ -56,6 +57,11 @@ TEST(CInterfaceWithAModelThatCannotBe, StaysUninitialised) {
     EXPECT_EQ(zerorate_init(&node, &model, nullptr), defects[i].first) << "defect " << i;
     EXPECT_EQ(zerorate_pulse(&node, 0), ZERORATE_NOT_INITIALISED) << "defect " << i;
   }
+}
+
+/// Verifies SR-IF-01.
+TEST(CInterfaceWithOneImpossibleFigure, RefusesTheModel) {
+  testing::expect_each_impossible_figure_refused(front_gyro);
 }
 
 /// Verifies SR-IF-02.

@@ -10,6 +10,7 @@
 #include "firmware/c_api/node_of_model.hpp"
 #include "firmware/model/catalogue.hpp"
 #include "firmware/model/node_model.hpp"
+#include "host_tests/unit/firmware/c_api/forged_model.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
 
 namespace zerorate {
@@ -72,6 +73,14 @@ zerorate_rate feed(zerorate_node& node, std::int64_t k, bool has_force) {
     EXPECT_EQ(zerorate_acceleration(&node, measured.time_ns, force_m_s2.data()), ZERORATE_OK);
   }
   return rate;
+}
+
+/// Verifies SR-IF-01.
+TEST(CModelWithInputsAndOneImpossibleFigure, IsRefused) {
+  zerorate_model model = leaning_model();
+  model.hypothesis_count = 1;
+  model.evidence_kept = 1.0F;
+  c_api::testing::expect_each_impossible_figure_refused(model);
 }
 
 TEST(CInterfaceWithForces, PredictsTheBiasOfALeaningVehicle) {

@@ -57,7 +57,7 @@ class ScaledGyro : public ::testing::Test {
     return rate;
   }
   zerorate_result refer() {
-    const double wrapped = std::remainder(heading_rad_, 2.0 * std::numbers::pi);
+    const double wrapped = std::remainder(sense_ * heading_rad_, 2.0 * std::numbers::pi);
     return zerorate_heading_reference(&node_, now_ns_, static_cast<float>(wrapped), kSigma_rad);
   }
   zerorate_learnt_motion learnt() {
@@ -70,6 +70,7 @@ class ScaledGyro : public ::testing::Test {
   std::int64_t k_ = 0;
   std::int64_t now_ns_ = 0;
   double heading_rad_ = 0.0;
+  double sense_ = 1.0;  ///< -1: the references turn the other way
   zerorate_result last_ = ZERORATE_OK;
 };
 
@@ -137,6 +138,18 @@ TEST_F(ScaledGyro, SaysWhereItIsHeading) {
       std::remainder(double{rate.heading_rad} - heading_rad_, 2.0 * std::numbers::pi);
   EXPECT_LT(std::abs(of_rate), 3.0 * double{rate.heading_sigma_rad});
   EXPECT_EQ(rate.vertical_rad_s, rate.corrected_rad_s[2]);
+}
+
+/// Verifies SR-HEALTH-25.
+TEST_F(ScaledGyro, SaysThatReferencesOfTheOtherSenseDisagree) {
+  zerorate_rate rate{};
+  for (int drive = 0; drive < 4; ++drive) rate = stop_and_drive();
+  EXPECT_FALSE(rate.health.reference_disagreement);
+  EXPECT_TRUE(rate.health.usable);
+  sense_ = -1.0;
+  for (int drive = 0; drive < 8; ++drive) rate = stop_and_drive();
+  EXPECT_TRUE(rate.health.reference_disagreement);
+  EXPECT_FALSE(rate.health.usable);
 }
 
 /// Verifies SR-HEAD-09.
