@@ -3,7 +3,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include "firmware/c_api/include/zerorate.h"
+#include <zerorate.h>
 
 #include <cmath>
 #include <cstddef>
@@ -15,8 +15,8 @@ namespace zerorate::c_api::testing {
 /// Whether the four bytes at an offset of the model are a figure that means something, or the
 /// quantity of an input.
 [[nodiscard]] inline bool is_figure_at(const zerorate_model& model, std::size_t offset) {
-  for (std::size_t i = 0; i < ZERORATE_DECAYING_MODES;
-       ++i) {  // the time constant of a mode that does nothing
+  // The time constant of a mode that does nothing.
+  for (std::size_t i = 0; i < ZERORATE_DECAYING_MODES; ++i) {
     const std::size_t begin = offsetof(zerorate_model, decaying) + i * sizeof model.decaying[0];
     const zerorate_decaying_mode& mode = model.decaying[i];
     if (offset == begin && mode.noise_variance == 0.0F && mode.initial_variance == 0.0F)
