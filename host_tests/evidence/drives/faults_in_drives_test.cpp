@@ -100,6 +100,19 @@ TEST(FaultsInDrives, ALateReferenceIsNamedWithItsDelay) {
   }
 }
 
+// In fast turns a reference that is late by a second parts from the gyro as one that jumps does.
+TEST(FaultsInDrives, ALateReferenceHidesNoScaleFactor) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    ScenarioDrive drive =
+        campaign::make_hour(seed, {.errors = {.scale_factor = {0.0, 0.0, 0.01}}}).drive;
+    delay_reference(drive, kRowsPerSecond);
+    const DriveDiagnosis diagnosis = diagnosis_of(drive);
+    ASSERT_EQ(diagnosis.causes.size(), 2) << "seed " << seed;
+    EXPECT_EQ(diagnosis.causes[0].effect, "scale_factor") << "seed " << seed;
+    EXPECT_EQ(diagnosis.causes[1].effect, "reference_delay") << "seed " << seed;
+  }
+}
+
 TEST(FaultsInDrives, AReferenceThatJumpsIsNamed) {
   expect_alone(
       "reference_fault",

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "firmware/model/catalogue.hpp"
 #include "host_tools/lib/random/random_stream.hpp"
@@ -69,6 +72,53 @@ TEST(DrivesByHand, AScatterIsTheReferencesUpToALimit) {
   EXPECT_NE(small.remarks[0].find("error of the reference was estimated"), std::string::npos);
   const DriveDiagnosis large = diagnosed(drives_with_noise(30.0 * kNoise_rad));
   EXPECT_EQ(large.verdict, Verdict::unexplained);
+}
+
+/// Names of the causes, in alphabetical order.
+std::vector<std::string> names_of(const DriveDiagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (const Cause& cause : diagnosis.causes) names.push_back(cause.effect);
+  std::ranges::sort(names);
+  return names;
+}
+
+// Each is as large as the other: alone, one would leave half of the squares.
+TEST(DrivesByHand, OfTwoSharesNeitherHidesTheOther) {
+  DriveRecord record = drives_with_noise(kNoise_rad);
+  for (DriveEvidence& drive : record.drives) {
+    drive.error_rad += 0.003 * drive.turn_rad - 0.003 * drive.path_rad;
+  }
+  const std::vector<std::string> both{"scale_asymmetry", "scale_factor"};
+  EXPECT_EQ(names_of(diagnosed(record)), both);
+}
+
+/// Turns by axes that stand askew by 3 deg, about the y axis; the errors are none.
+DriveRecord drives_askew() {
+  constexpr double kTilt_rad = 3.0 * kRadPerDeg;
+  DriveRecord record = drives_with_noise(kNoise_rad);
+  const auto stream = random::RandomStream{8}.substream("axes");
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    DriveEvidence& drive = record.drives[k];
+    const auto place = static_cast<std::int64_t>(3 * k);
+    drive.turned_rad = {
+        std::sin(kTilt_rad) * drive.turn_rad + 0.1 * kNoise_rad * stream.normal(place),
+        0.1 * kNoise_rad * stream.normal(place + 1), std::cos(kTilt_rad) * drive.turn_rad};
+  }
+  return record;
+}
+
+TEST(DrivesByHand, ATiltOfTheAxesIsMisalignment) {
+  DriveRecord record = drives_askew();
+  for (DriveEvidence& drive : record.drives) {
+    drive.error_rad += drive.turned_rad[2] - drive.turn_rad;
+  }
+  EXPECT_EQ(names_of(diagnosed(record)), std::vector<std::string>{"misalignment"});
+}
+
+// The scale factor makes up for the cosine: the errors of the heading show nothing.
+TEST(DrivesByHand, ATiltIsNamedWhereAScaleFactorHidesIt) {
+  const std::vector<std::string> both{"misalignment", "scale_factor"};
+  EXPECT_EQ(names_of(diagnosed(drives_askew())), both);
 }
 
 TEST(DrivesByHand, FewDrivesAreNotDiagnosed) {
