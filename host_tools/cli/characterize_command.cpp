@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -15,6 +16,7 @@
 #include "host_tools/cli/output_options.hpp"
 #include "host_tools/cli/replay_options.hpp"
 #include "host_tools/cli/terminal.hpp"
+#include "host_tools/lib/diagnose/truncation_cause.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
@@ -96,8 +98,9 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   };
   const identify::RestSamples samples =
       identify::read_rest(reader, identify::rest_source(options.still_from), rest);
-  std::vector<std::string> doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{options.input.accept}, axes);
+  const identify::AcceptedDoubts accepted{options.input.accept};
+  std::vector<std::string> doubts = identify::require_rest(samples, accepted, axes);
+  std::ranges::move(diagnose::remarks_on_truncation(samples, accepted), std::back_inserter(doubts));
   const identify::CharacterizeOptions settings{
       .recording = file_name(options.input.recording),
       .axes = axes,
@@ -120,8 +123,11 @@ identify::Characterization run_identification(const CharacterizeOptions& options
   return result;
 }
 
+constexpr std::size_t kFigureWidth = 28;
+
 void print_line(std::string_view what, const std::string& figure, std::string_view remark) {
-  fmt::print("  {:<23} {:<28} {}\n", what, figure, remark);
+  const std::string_view gap = figure.size() < kFigureWidth ? "" : " ";
+  fmt::print("  {:<23} {:<{}}{} {}\n", what, figure, kFigureWidth, gap, remark);
 }
 
 void print_flicker(const identify::InnovationsFit& fit) {

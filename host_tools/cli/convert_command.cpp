@@ -38,7 +38,8 @@ ExitCode run_convert(const ConvertOptions& options) {
              static_cast<double>(findings.mean_interval_ns()) * 1e-9);
   print_findings(findings);
   for (const std::string& name : reader.ignored_columns()) {
-    fmt::print("  note: the column {} is not needed\n", name);
+    const std::string_view what = name.starts_with("column ") ? "" : "column ";
+    fmt::print("  note: the {}{} is not needed\n", what, name);
   }
   return success;
 }

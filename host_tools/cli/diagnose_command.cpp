@@ -161,8 +161,8 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
   if (source == core::StandstillSource::odometer && reader.columns().odometer) {
     keep_calm(samples, odometer);
   }
-  doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{options.recording.accepted}, axes);
+  const identify::AcceptedDoubts accepted{options.recording.accepted};
+  doubts = identify::require_rest(samples, accepted, axes);
   if (std::string unused = recording::doubt_of_rows(samples.findings); !unused.empty())
     doubts.insert(doubts.begin(), std::move(unused));
   for (const std::string& doubt : doubts) print_note(options, doubt);
@@ -170,9 +170,7 @@ std::vector<Diagnosis> run_diagnosis(const DiagnoseOptions& options,
     print_note(options, fmt::format("the first {} samples left out: the gyro did not measure yet",
                                     samples.wild));
   }
-  std::vector<diagnose::Record> records;
-  records.reserve(axes.size());
-  for (const std::size_t axis : axes) records.push_back(diagnose::record_of(samples, axis));
+  std::vector<diagnose::Record> records = diagnose::records_of(samples, axes, accepted);
   diagnose_options.on_progress = [&](double share) {
     progress.update(kReading + (1.0 - kReading) * share);
   };

@@ -79,37 +79,42 @@ core::UpAxis up_axis_called(const std::string& name) {
   return {.axis = static_cast<std::uint8_t>(found % 3), .points_down = found >= 3};
 }
 
+std::string counted(std::uint64_t samples) {
+  return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s");
+}
+
 void print_notes(const evaluate::ReplayResult& result) {
   print_findings(result.findings);
   if (result.samples_refused > 0) {
-    fmt::print("  note: the node refused {} samples\n", result.samples_refused);
+    fmt::print("  note: the node refused {}\n", counted(result.samples_refused));
   }
   if (result.samples_saturated > 0) {
-    fmt::print("  note: {} samples were at full scale\n", result.samples_saturated);
+    fmt::print("  note: full scale in {}\n", counted(result.samples_saturated));
   }
   if (result.samples_doubted > 0) {
-    fmt::print("  note: {} samples came while the gate held back a measurement\n",
-               result.samples_doubted);
+    fmt::print("  note: {} came while the gate held back a measurement\n",
+               counted(result.samples_doubted));
   }
   if (result.samples_without_temperature > 0) {
-    fmt::print("  note: {} samples came without the temperature that the model follows\n",
-               result.samples_without_temperature);
+    fmt::print("  note: {} came without the temperature that the model follows\n",
+               counted(result.samples_without_temperature));
   }
   if (result.samples_without_acceleration > 0) {
-    fmt::print("  note: {} samples came without the acceleration that the model follows\n",
-               result.samples_without_acceleration);
+    fmt::print("  note: {} came without the acceleration that the model follows\n",
+               counted(result.samples_without_acceleration));
   }
   if (result.samples_frozen > 0) {
     fmt::print(
-        "  note: in {} samples, from {:.6g} s after the first row on, an axis no longer measures: "
-        "it repeats itself. They have no rate\n",
-        result.samples_frozen, result.first_frozen_s);
+        "  note: in {}, from {:.6g} s after the first row on, an axis no longer measures: it "
+        "repeats "
+        "itself. There is no rate\n",
+        counted(result.samples_frozen), result.first_frozen_s);
   }
   if (result.samples_disagreeing > 0) {
-    fmt::print(
-        "  note: in {} samples gyro and odometer contradict each other (with --schedule: was the "
-        "sensor at rest all the time?)\n",
-        result.samples_disagreeing);
+    // With a schedule the recording is one at rest.
+    fmt::print("  note: in {} gyro and odometer contradict each other{}\n",
+               counted(result.samples_disagreeing),
+               result.truth_known ? ": was the sensor at rest all the time?" : "");
   }
   if (result.samples_inconsistent > 0) {
     fmt::print(

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <span>
@@ -22,6 +23,7 @@
 #include "firmware/model/model_file.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/presentation/presentation.hpp"
+#include "host_tools/lib/diagnose/truncation_cause.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
@@ -47,8 +49,9 @@ Outcome characterize(const Source& source, const std::string& name, const std::s
   auto axes = identify::axes_called(axis, reader.columns().axis_count);
   const identify::RestSamples samples =
       identify::read_rest(reader, identify::rest_source(still_from));
-  std::vector<std::string> doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{accept}, axes);
+  const identify::AcceptedDoubts accepted{accept};
+  std::vector<std::string> doubts = identify::require_rest(samples, accepted, axes);
+  std::ranges::move(diagnose::remarks_on_truncation(samples, accepted), std::back_inserter(doubts));
   identify::Characterization result =
       identify::characterize(samples, {.recording = name, .axes = axes, .order = order});
   if (still_from == "gyro") identify::require_noise_of_rest(result);
@@ -75,11 +78,9 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
     const identify::MotionAtRest motion = identify::find_motion(samples);
     if (motion.is_usual()) identify::leave_out_motion(samples, motion);
   }
-  std::vector<std::string> doubts =
-      identify::require_rest(samples, identify::AcceptedDoubts{accept}, axes);
-  std::vector<diagnose::Record> records;
-  records.reserve(axes.size());
-  for (const std::size_t one : axes) records.push_back(diagnose::record_of(samples, one));
+  const identify::AcceptedDoubts accepted{accept};
+  std::vector<std::string> doubts = identify::require_rest(samples, accepted, axes);
+  std::vector<diagnose::Record> records = diagnose::records_of(samples, axes, accepted);
   if (!(holdout > 0.0 && holdout < 1.0)) {
     throw std::invalid_argument("holdout: expected a share above 0 and below 1");
   }

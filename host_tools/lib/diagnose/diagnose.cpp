@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host_tools/lib/diagnose/adequacy/adequacy.hpp"
+#include "host_tools/lib/diagnose/doubted_causes.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
 #include "host_tools/lib/diagnose/envelope.hpp"
 #include "host_tools/lib/diagnose/extension_choice.hpp"
@@ -90,22 +91,6 @@ std::vector<Point> thinned(const EvenSeries& series) {
         {series.time_s(std::max(least, most)), series.rate_rad_s[std::max(least, most)]});
   }
   return points;
-}
-
-/// Three causes that were searched for in time or in slow noise draw any record. A record is far
-/// more often one that nothing in the catalogue fits than one with three rare effects at once, so
-/// that their fit proves none of them. A cause that was measured beside the rate does not count.
-void doubt_many_slow_causes(const std::vector<Choice>& choices, const Hypothesis& hypothesis,
-                            Adequacy& adequacy) {
-  constexpr std::size_t kTooMany = 3;
-  std::size_t slow = 0;
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (is_slow(hypothesis.parts()[i]) && !choices[i].effect->has_measured_cause()) ++slow;
-  }
-  if (slow < kTooMany) return;
-  adequacy.holds = false;
-  adequacy.failures.emplace_back(
-      "three slow effects at once would be needed, and so many can draw any recording");
 }
 
 /// Nothing is left, but the model that was given is not what does it: unexplained as well.
@@ -250,6 +235,9 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
     diagnosis.extended_model = chosen ? models->with(chosen->is_in) : models->base();
   }
   if (chosen) adopt(std::move(*chosen), choices, diagnosis);
+  if (record.is_mean_near_zero) {
+    doubt_causes_after_correction(choices, hypothesis, diagnosis.extended_adequacy);
+  }
   DescribedCauses described = describe_causes(choices, hypothesis);
   diagnosis.causes = std::move(described.causes);
   diagnosis.drawings = std::move(described.drawings);

@@ -58,4 +58,21 @@ void add_truncation(const TruncationEvidence& truncation, Diagnosis& diagnosis) 
   quantization->method = model::QuantizationMethod::truncation;
 }
 
+std::vector<std::string> remarks_on_truncation(const identify::RestSamples& samples,
+                                               const identify::AcceptedDoubts& accepted) {
+  const TruncationEvidence evidence = find_truncation(samples);
+  if (!evidence.found) return {};
+  const double step_dps = evidence.found->step_rad_s * kDegPerRad;
+  const identify::RestDoubt doubt{
+      identify::doubt::kTruncation,
+      fmt::format("the level 0 holds {:.2g} times as many samples as its neighbours let expect: "
+                  "truncated, not rounded, in steps of {:.3g} deg/s? The mean is then up to {:.2g} "
+                  "deg/s too near zero. 'zerorate diagnose --model-out' makes a model that undoes "
+                  "it",
+                  evidence.found->width, step_dps, 0.5 * step_dps),
+      false};
+  std::vector<std::size_t> axes;
+  return identify::require_rest({doubt}, accepted, axes);
+}
+
 }  // namespace zerorate::diagnose

@@ -221,6 +221,11 @@ class TickMeans {
 
 }  // namespace
 
+std::string RecordingResult::problem() const {
+  const std::string_view separator = axes_left_out.empty() || rows_doubt.empty() ? "" : ". ";
+  return fmt::format("{}{}{}", axes_left_out, separator, rows_doubt);
+}
+
 void measure_likelihood(const identify::AxisTicks& ticks, AxisResult& result) {
   const identify::InnovationsLikelihood likelihood{ticks.means, ticks.axis, ticks.sample_period,
                                                    ticks.tick};
@@ -264,9 +269,15 @@ PopulationSamples read_population_samples(const recording::Input& recording,
                          .samples = identify::read_rest_samples(reader)};
   read.axes = identify::axes_called(axis, read.samples.axis_count);
   const std::size_t asked = read.axes.size();
-  const std::vector<std::string> doubts =
-      identify::require_rest(read.samples, identify::AcceptedDoubts{recording.accepted}, read.axes);
-  if (read.axes.size() < asked) read.axes_left_out = fmt::format("{}", fmt::join(doubts, ". "));
+  std::vector<identify::RestDoubt> doubts = identify::doubts_of_rest(read.samples);
+  // Nobody looks at each recording of a fleet: what is in doubt is no member of the population.
+  for (identify::RestDoubt& doubt : doubts) doubt.is_certain = true;
+  std::vector<std::string> remarks =
+      identify::require_rest(doubts, identify::AcceptedDoubts{recording.accepted}, read.axes);
+  if (read.axes.size() < asked) {
+    read.axes_left_out = fmt::format("{}", fmt::join(remarks, ". "));
+  }
+  read.rows_doubt = recording::doubt_of_rows(read.samples.findings);
   const auto left_out = read.samples.findings.left_out();
   const double unused = static_cast<double>(left_out + read.samples.lost) /
                         static_cast<double>(left_out + read.samples.rows);
@@ -304,7 +315,8 @@ RecordingResult analyse(const PopulationSamples& recording) {
   RecordingResult result{.rows = samples.rows,
                          .sample_period_s = units::seconds(characterization.sample_period.ns()),
                          .rest_s = characterization.rest_s,
-                         .axes_left_out = recording.axes_left_out};
+                         .axes_left_out = recording.axes_left_out,
+                         .rows_doubt = recording.rows_doubt};
   const auto ticks =
       identify::average_ticks(identify::measurements_of(samples), characterization.tick);
   for (std::size_t i = 0; i < axes.size(); ++i) {

@@ -20,7 +20,7 @@ namespace zerorate::fleet {
 
 /// Version of what is computed from a recording. Results of two versions are never mixed: raise the
 /// number whenever a figure of the same recording may change.
-inline constexpr int kAnalysisVersion = 2;
+inline constexpr int kAnalysisVersion = 3;
 
 /// Grid of flicker noises over which each recording's likelihood is kept.
 ///
@@ -85,6 +85,10 @@ struct RecordingResult {
   double rest_s = 0.0;
   std::vector<AxisResult> axes;
   std::string axes_left_out;  ///< why axes that were asked for are missing; empty where none is
+  std::string rows_doubt;     ///< recording::doubt_of_rows()
+
+  /// Reason why the recording is not used as a whole, as it stands; empty where it is.
+  [[nodiscard]] std::string problem() const;
 };
 
 /// Likelihood of one axis on the grid, by the node's own filter: the white noise is a scale of all
@@ -99,12 +103,13 @@ struct PopulationSamples {
   identify::RestSamples samples;
   std::vector<std::size_t> axes;  ///< those asked for that measured
   std::string axes_left_out;      ///< reason, as RecordingResult has it
+  std::string rows_doubt;         ///< recording::doubt_of_rows()
 };
 
 /// Reads a recording.
 /// @param axis  x, y, z or all
-/// Throws recording::DataError for a recording that is not at rest, where no axis measured, and
-/// where more than 10 % of the rows cannot be used.
+/// Throws recording::DataError for a recording that is not at rest or in another doubt that nobody
+/// has accepted, where no axis measured, and where more than 10 % of the rows cannot be used.
 [[nodiscard]] PopulationSamples read_population_samples(const recording::Input& recording,
                                                         std::string_view axis = "all");
 

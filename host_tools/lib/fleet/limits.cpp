@@ -315,6 +315,7 @@ Acceptance accept(const recording::Input& input, const Limits& limits, std::stri
     acceptance.judgement = Judgement::fail;
     acceptance.reasons.push_back(recording.axes_left_out);
   }
+  if (!recording.rows_doubt.empty()) acceptance.reasons.push_back(recording.rows_doubt);
   for (const AxisResult& axis : axes_for(recording, limits)) {
     judge_causes(axis, limits, acceptance);
     judge_noise(axis, limits, acceptance.figures);

@@ -168,11 +168,11 @@ report::Report make_report(const Population& population, const std::string& prov
     report.section("Sensors that changed between recordings").table(table);
   }
   if (!population.bad.empty()) {
-    report::Table table{.columns = {{"Recording"}, {"What was not used, and why"}}};
+    report::Table table{.columns = {{"Recording"}, {"What was not used or was repaired, and why"}}};
     for (const StoredRecording& one : population.bad) {
       table.rows.push_back({one.entry.name, one.problem});
     }
-    report.section("Recordings that could not be used, or not all axes of which").table(table);
+    report.section("Recordings that could not be used as they stand").table(table);
   }
   report.provenance(provenance);
   return report;

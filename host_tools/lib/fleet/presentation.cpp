@@ -100,14 +100,16 @@ std::string words(const Reason& reason) {
 
 std::string lead_of(const Population& population) {
   const auto bad_lots = std::ranges::count(population.lots, true, &Lot::differs);
+  const auto unused = static_cast<std::size_t>(std::ranges::count_if(
+      population.bad, [](const StoredRecording& one) { return one.result.axes.empty(); }));
   return fmt::format(
       "{} recordings of {} sensors; {} of {} axes make the population. {} sensors leave it at a "
       "false discovery rate of {:g}, {} of {} lots differ{} from the reference, {} sensors changed "
-      "between recordings, and {} recordings could not be used.",
+      "between recordings, {} recordings could not be used, and {} could in part or after repair.",
       population.recordings.size(), population.sensors.size(), population.core,
       population.members.size(), outliers(population).size(),
       population.options.false_discovery_rate, bad_lots, population.lots.size(),
-      bad_lots == 1 ? "s" : "", changed(population).size(), population.bad.size());
+      bad_lots == 1 ? "s" : "", changed(population).size(), unused, population.bad.size() - unused);
 }
 
 std::string to_text(const Population& population) {
@@ -150,7 +152,8 @@ std::string to_text(const Population& population) {
                         sensor->change_q_value);
   }
   for (const StoredRecording& one : population.bad) {
-    text += fmt::format("not used: {}: {}\n", one.entry.name, one.problem);
+    text += fmt::format("{}: {}: {}\n", one.result.axes.empty() ? "not used" : "used with a remark",
+                        one.entry.name, one.problem);
   }
   return text;
 }

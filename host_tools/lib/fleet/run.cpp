@@ -235,7 +235,7 @@ class Run {
     if (one.problem.empty()) {
       try {
         analyse_again_if_away(one);
-        one.problem = one.result.axes_left_out;
+        one.problem = one.result.problem();
       } catch (const recording::DataError& error) {
         one.problem = error.what();
       } catch (const std::system_error& error) {

@@ -173,32 +173,6 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
   return remarks;
 }
 
-/// Remark on a mean that is smaller than the means of tenths of the recording scatter. The
-/// zero-rate level of a MEMS gyro is a hundred times as large.
-std::optional<std::string> remark_on_mean(const std::vector<TickMean>& ticks, std::size_t axis) {
-  constexpr std::size_t kParts = 10;
-  constexpr double kShare = 0.5;
-  constexpr double kDrift_rad_s = 0.05 / units::kDegPerRad;  // a larger drift may cross zero
-  double sum = 0.0;
-  double squares = 0.0;
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t first = part * ticks.size() / kParts;
-    const std::size_t end = (part + 1) * ticks.size() / kParts;
-    double mean = 0.0;
-    for (std::size_t i = first; i < end; ++i) mean += double{ticks[i].rate_rad_s[axis]};
-    mean /= static_cast<double>(end - first);
-    sum += mean;
-    squares += mean * mean;
-  }
-  const double mean = sum / kParts;
-  const double scatter = std::sqrt((squares - kParts * mean * mean) / (kParts - 1));
-  if (!(std::abs(mean) < kShare * scatter) || scatter > kDrift_rad_s) return std::nullopt;
-  return fmt::format(
-      "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
-      "a bias already taken out? A node needs the rates of the chip.",
-      mean * units::kDegPerRad, scatter * units::kDegPerRad);
-}
-
 /// Quicker decades than half the sample period would be white noise to the filter.
 double shortest_time_constant_s(core::Duration sample_period) {
   return std::max(0.5, 0.5 * seconds(sample_period));
@@ -217,7 +191,6 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
   result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
-  if (auto remark = remark_on_mean(ticks, axis)) result.remarks.push_back(std::move(*remark));
 
   const EvenRecord record = record_for_curves(samples, even_ticks, axis);
   if (record.rate_rad_s.size() >= kFewestFrequencies) {

@@ -15,6 +15,7 @@
 #include "core/standstill/calm_judge.hpp"
 #include "host_tools/lib/identify/angles.hpp"
 #include "host_tools/lib/identify/frozen_axes.hpp"
+#include "host_tools/lib/identify/near_zero_mean.hpp"
 #include "host_tools/lib/identify/repeats.hpp"
 #include "host_tools/lib/identify/sensors_in_turn.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -215,6 +216,7 @@ std::vector<RestDoubt> doubts_of_rest(const RestSamples& all) {
   put_first(doubt::kSensors, sensors_in_turn(samples));
   std::ranges::move(doubts_of_frozen_axes(all), std::inserter(doubts, doubts.begin()));
   put_first(doubt::kAngles, angles_not_rates(samples));
+  std::ranges::move(doubts_of_near_zero_means(samples), std::back_inserter(doubts));
   return doubts;
 }
 
@@ -387,10 +389,11 @@ core::StandstillSource rest_source(std::string_view name) {
 
 RestSamples read_rest(recording::Reader& reader, core::StandstillSource source,
                       const RestOptions& options) {
-  RestSamples samples = read_rest_samples(reader, options);
-  if (source == core::StandstillSource::gyro) {
-    leave_out_motion(samples, find_motion(samples, source));
-  }
+  if (source != core::StandstillSource::gyro) return read_rest_samples(reader, options);
+  RestOptions all = options;
+  all.has_no_odometer = true;
+  RestSamples samples = read_rest_samples(reader, all);
+  leave_out_motion(samples, find_motion(samples, source));
   return samples;
 }
 

@@ -94,7 +94,7 @@ struct MotionAtRest {
 [[nodiscard]] core::StandstillSource rest_source(std::string_view name);
 
 /// Reads a recording to its end as read_rest_samples().
-/// @param source  gyro: leaves out the motion that the gyro shows
+/// @param source  gyro: leaves out the motion that the gyro shows, whatever an odometer counts
 [[nodiscard]] RestSamples read_rest(recording::Reader& reader, core::StandstillSource source,
                                     const RestOptions& options = {});
 

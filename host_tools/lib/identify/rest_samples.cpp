@@ -18,9 +18,10 @@ namespace {
 /// Takes in rows and forgets those that a later pulse shows to have belonged to a drive.
 class RestFilter {
  public:
-  RestFilter(const recording::Columns& columns, const core::Standstill::Params& params,
-             RestSamples& samples)
-      : columns_(columns), standstill_(params), samples_(samples) {}
+  RestFilter(const recording::Columns& columns, const RestOptions& options, RestSamples& samples)
+      : columns_(columns), standstill_(options.standstill), samples_(samples) {
+    if (options.has_no_odometer) columns_.odometer = columns_.still = false;
+  }
 
   void take(const recording::Row& row) {
     ++samples_.rows;
@@ -239,7 +240,7 @@ RestSamples read_rest_samples(recording::Reader& reader, const RestOptions& opti
   RestSamples samples;
   samples.axis_count = reader.columns().axis_count;
   samples.is_timed_by_rows = reader.columns().is_timed_by_rows;
-  RestFilter filter{reader.columns(), options.standstill, samples};
+  RestFilter filter{reader.columns(), options, samples};
   for (recording::Row row; reader.next(row);) {
     filter.take(row);
     if (options.on_progress && samples.rows % kProgressRows == 0) {

@@ -63,6 +63,7 @@ struct RestSamples {
 
 struct RestOptions {
   core::Standstill::Params standstill;
+  bool has_no_odometer = false;  ///< columns of motion are not used
   /// Called now and then with the share of the recording that is read, if known.
   std::function<void(std::optional<double>)> on_progress;
 };

@@ -63,6 +63,12 @@ class ColumnNaming {
                 fmt::format("Say the unit: --units {}=...", recording::name(dimension))};
   }
 
+  /// Advice where a name of --columns is not in the header.
+  static std::string cure_of_names(const NamedColumns& columns) {
+    const std::string cure = "Names count as they stand in the header; #3 is the third column.";
+    return cure + (columns.size() > 1 ? "" : " There is only one: --delimiter space parts it.");
+  }
+
   /// Refuses options that match no column.
   void check(const NamedColumns& columns) const {
     for (const auto& [key, name] : layout_.columns) {
@@ -71,8 +77,7 @@ class ColumnNaming {
           columns, [&](const NamedColumn& column) { return column.quantity == said; });
       if (is_found) continue;
       throw Error{lines_.place(), "no column " + excerpt(name),
-                  fmt::format("the column of {} named in --columns", key),
-                  "Names count as they stand in the header; #3 is the third column."};
+                  fmt::format("the column of {} named in --columns", key), cure_of_names(columns)};
     }
     for (const auto& [dimension, unit] : layout_.units) {
       if (std::ranges::find(used_, dimension) != used_.end()) continue;

@@ -10,10 +10,12 @@
 #include <cstdio>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include "host_tests/support/folders.hpp"
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/record/cell_of_zero.hpp"
+#include "host_tools/lib/diagnose/truncation_cause.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 
 namespace zerorate::diagnose {
@@ -162,6 +164,18 @@ TEST(RealSensorMovedByHand, IsNamed) {
   EXPECT_GT(evidence.found->width_hi, 2.0);
   recording::Reader rounded{*folder / "adis16405_static/run1_100hz_raw.csv.gz"};
   EXPECT_FALSE(find_truncation(identify::read_rest_samples(rounded)).found);
+}
+
+TEST(SamplesThatAreCut, AreDoubtedWhereTheyStandAsTheyAre) {
+  const auto remarks = [](Steps steps, std::string_view accepted) {
+    return remarks_on_truncation(samples_of({.steps = steps}, 3),
+                                 identify::AcceptedDoubts{accepted});
+  };
+  ASSERT_EQ(remarks(Steps::cut, "").size(), 1U);
+  EXPECT_NE(remarks(Steps::cut, "")[0].find("truncated, not rounded"), std::string::npos);
+  EXPECT_NE(remarks(Steps::cut, "")[0].find("--accept truncation"), std::string::npos);
+  EXPECT_TRUE(remarks(Steps::cut, "truncation").empty());
+  EXPECT_TRUE(remarks(Steps::rounded, "").empty());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -23,8 +24,11 @@ using ::testing::IsEmpty;
 
 constexpr double kRadPerDeg = 0.017453292519943295;
 
-/// Rate about z over 200 s at 100 Hz: a function of time [s] in deg/s; the other axes are noise
-/// alone.
+/// Biases as sensors have them [deg/s].
+constexpr std::array kBias_dps{0.5, -0.4, 0.6};
+
+/// Rate about z over 200 s at 100 Hz, beside its bias: a function of time [s] in deg/s; the other
+/// axes are bias and noise.
 RestSamples samples(const std::function<double(double)>& rate_dps, double noise_dps = 0.05) {
   std::mt19937_64 generator{7};
   std::normal_distribution<double> noise{0.0, noise_dps};
@@ -32,9 +36,11 @@ RestSamples samples(const std::function<double(double)>& rate_dps, double noise_
                    .mean_period = core::Duration::milliseconds(10)};
   for (int k = 0; k < 20'000; ++k) {
     made.time.push_back(core::Instant::from_ns(k * std::int64_t{10'000'000}));
-    const double z = rate_dps(0.01 * k) + noise(generator);
-    made.rate_rad_s.push_back({static_cast<float>(noise(generator) * kRadPerDeg),
-                               static_cast<float>(noise(generator) * kRadPerDeg),
+    const double z = kBias_dps[2] + rate_dps(0.01 * k) + noise(generator);
+    const double x = kBias_dps[0] + noise(generator);
+    const double y = kBias_dps[1] + noise(generator);
+    made.rate_rad_s.push_back({static_cast<float>(x * kRadPerDeg),
+                               static_cast<float>(y * kRadPerDeg),
                                static_cast<float>(z * kRadPerDeg)});
   }
   return made;
@@ -86,6 +92,52 @@ TEST(AngleInTheColumnOfARate, IsTold) {
     for (std::size_t i = 0; i < 3; ++i) rates[i] = angle[i] += 0.01F * rates[i];
   }
   EXPECT_THAT(sentences(rest, true)[0], HasSubstr("angles, not rates?"));
+}
+
+/// Takes the mean of the block before off each block of an axis, as software upstream does.
+void take_off_means(RestSamples& rest, std::size_t axis, std::size_t block) {
+  double bias = kBias_dps[axis] * kRadPerDeg;
+  for (std::size_t first = 0; first < rest.rate_rad_s.size(); first += block) {
+    const std::size_t end = std::min(first + block, rest.rate_rad_s.size());
+    double sum = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      sum += double{rest.rate_rad_s[k][axis]};
+      rest.rate_rad_s[k][axis] -= static_cast<float>(bias);
+    }
+    bias = sum / static_cast<double>(end - first);
+  }
+}
+
+/// A high-pass of first order, with the time constant in samples.
+void high_pass(RestSamples& rest, std::size_t axis, double time_constant) {
+  double bias = kBias_dps[axis] * kRadPerDeg;
+  for (auto& rates : rest.rate_rad_s) {
+    const double rate = double{rates[axis]};
+    rates[axis] -= static_cast<float>(bias);
+    bias += (rate - bias) / time_constant;
+  }
+}
+
+TEST(GyroWhoseBiasWasTakenOut, IsTold) {
+  for (const std::size_t block : {100U, 500U, 2'000U}) {
+    RestSamples rest = samples([](double t) { return 0.01 * std::sin(0.05 * t); });
+    for (std::size_t axis = 0; axis < 3; ++axis) take_off_means(rest, axis, block);
+    EXPECT_THAT(sentences(rest, true), IsEmpty());
+    EXPECT_THAT(sentences(rest, false), ElementsAre(HasSubstr("every axis is near zero"))) << block;
+    EXPECT_THAT(remarks(rest), ElementsAre(HasSubstr("--accept bias")));
+    EXPECT_THAT(remarks(rest, AcceptedDoubts{"bias"}), IsEmpty());
+  }
+}
+
+TEST(GyroWithAHighPass, IsToldWithItsAxis) {
+  for (const double time_constant : {50.0, 400.0, 1'500.0}) {
+    RestSamples rest = samples([](double) { return 0.0; });
+    high_pass(rest, 1, time_constant);
+    EXPECT_THAT(sentences(rest, false), ElementsAre(HasSubstr("the mean of axis y is")))
+        << time_constant;
+    std::vector<std::size_t> others{0, 2};
+    EXPECT_THAT(require_rest(rest, {}, others), IsEmpty()) << "nobody asked for y";
+  }
 }
 
 TEST(AcceptedDoubt, IsNone) {

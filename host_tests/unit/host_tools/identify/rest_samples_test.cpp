@@ -24,11 +24,12 @@ std::string rows(const std::string& header, int count, Last last) {
   return text;
 }
 
-RestSamples read(const std::string& text) {
+RestSamples read(const std::string& text, bool has_no_odometer = false) {
   const zerorate::testing::ScratchFolder folder;
   recording::Reader reader{folder.write("run.csv", text)};
   return read_rest_samples(reader, {.standstill = {.settle = Duration::seconds(1),
-                                                   .hold_back = Duration::milliseconds(500)}});
+                                                   .hold_back = Duration::milliseconds(500)},
+                                    .has_no_odometer = has_no_odometer});
 }
 
 TEST(RestSamplesWithoutMotionColumn, AreAllRows) {
@@ -79,6 +80,14 @@ TEST(RestSamplesWithStillColumn, LeaveOutSettleTimeAndHoldBack) {
   EXPECT_EQ(tenths.back(), 99);
   EXPECT_EQ(samples.moving, 100U - 57U);
   EXPECT_THAT(samples.after_drives, ::testing::ElementsAre(36U));
+}
+
+TEST(RestSamplesWithAnOdometerThatIsNotUsed, AreAllRows) {
+  const std::string chatter =
+      rows("t_s,rate_dps,odometer_pulses", 100, [](int k) { return std::to_string(k / 2); });
+  EXPECT_THROW((void)read(chatter), recording::DataError) << "no row at rest";
+  EXPECT_EQ(read(chatter, true).time.size(), 100U);
+  EXPECT_EQ(read(chatter, true).moving, 0U);
 }
 
 RestSamples read_with_pulses_in_row_50(int pulses) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "host_tools/lib/identify/near_zero_mean.hpp"
+
 namespace zerorate::diagnose {
 namespace {
 
@@ -72,6 +74,19 @@ Record record_of(const identify::RestSamples& samples, std::size_t axis) {
   return record;
 }
 
+std::vector<Record> records_of(const identify::RestSamples& samples,
+                               std::span<const std::size_t> axes,
+                               const identify::AcceptedDoubts& accepted) {
+  std::vector<Record> records;
+  records.reserve(axes.size());
+  for (const std::size_t axis : axes) {
+    records.push_back(record_of(samples, axis));
+    records.back().is_mean_near_zero =
+        !accepted.has(identify::doubt::kBias) && identify::is_mean_near_zero(samples, axis);
+  }
+  return records;
+}
+
 identify::RestSamples samples_of(const Record& record) {
   const auto nanoseconds = [](double seconds) { return std::llround(seconds * 1e9); };
   identify::RestSamples samples{
@@ -101,7 +116,8 @@ Record beginning_of(const Record& record, std::size_t size) {
           .standstills = record.standstills,
           .inputs = record.inputs,
           .index = record.index,
-          .truncation = record.truncation};
+          .truncation = record.truncation,
+          .is_mean_near_zero = record.is_mean_near_zero};
 }
 
 }  // namespace zerorate::diagnose

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "host_tools/lib/diagnose/record/input_ticks.hpp"
 #include "host_tools/lib/diagnose/record/truncation.hpp"
+#include "host_tools/lib/identify/rest_doubt.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 
 namespace zerorate::diagnose {
@@ -24,6 +26,8 @@ struct Record {
   InputTicks inputs;                ///< ticks of all standstills; none without accelerations
   std::size_t index = 0;            ///< number of the axis in them
   TruncationEvidence truncation{};  ///< evidence of all axes; undone where found
+  /// A bias was likely taken out upstream, and nobody has accepted it (identify::doubt::kBias).
+  bool is_mean_near_zero = false;
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };
@@ -32,6 +36,12 @@ struct Record {
 /// between standstills counts neither as lost nor as noise. A lost temperature is replaced by that
 /// of the sample before. A cut toward zero is undone.
 [[nodiscard]] Record record_of(const identify::RestSamples& samples, std::size_t axis);
+
+/// Records of several axes, whose means are judged.
+/// @param accepted  doubts that the user overrules
+[[nodiscard]] std::vector<Record> records_of(const identify::RestSamples& samples,
+                                             std::span<const std::size_t> axes,
+                                             const identify::AcceptedDoubts& accepted);
 
 /// Samples of a record in the form for averaging and characterization.
 [[nodiscard]] identify::RestSamples samples_of(const Record& record);
