@@ -235,7 +235,7 @@ Diagnosis diagnosis_of(const Axis& axis, const PreparedAxis& prepared, const Sel
     diagnosis.extended_model = chosen ? models->with(chosen->is_in) : models->base();
   }
   if (chosen) adopt(std::move(*chosen), choices, diagnosis);
-  if (record.is_mean_near_zero) {
+  if (record.is_bias_taken_out) {
     doubt_causes_after_correction(choices, hypothesis, diagnosis.extended_adequacy);
   }
   DescribedCauses described = describe_causes(choices, hypothesis);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "host_tools/lib/identify/density.hpp"
+#include "host_tools/lib/identify/near_zero_mean.hpp"
 #include "host_tools/lib/identify/repeats.hpp"
 #include "host_tools/lib/identify/whittle.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -191,6 +192,7 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
   result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
+  if (auto remark = remark_on_mean(samples, axis)) result.remarks.push_back(std::move(*remark));
 
   const EvenRecord record = record_for_curves(samples, even_ticks, axis);
   if (record.rate_rad_s.size() >= kFewestFrequencies) {

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
+#include <vector>
 
 #include "host_tools/lib/units/units.hpp"
 
@@ -16,33 +18,75 @@ using units::kDegPerRad;
 struct Level {
   double mean_rad_s = 0.0;
   double scatter_rad_s = 0.0;  ///< standard deviation of the means of tenths
+  /// Allan variance over a 20th of the recording over that of white noise, by a 200th.
+  double slow_noise = 0.0;
 };
 
-std::optional<Level> level_of(const RestSamples& samples, std::size_t axis) {
-  constexpr std::size_t kParts = 10;
+/// Means of equal parts in succession [rad/s].
+std::vector<double> means_of_parts(const RestSamples& samples, std::size_t axis,
+                                   std::size_t parts) {
   const std::size_t size = samples.time.size();
-  if (size < kParts * kParts) return std::nullopt;
-  double sum = 0.0;
-  double squares = 0.0;
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t first = part * size / kParts;
-    const std::size_t end = (part + 1) * size / kParts;
-    double mean = 0.0;
-    for (std::size_t k = first; k < end; ++k) mean += double{samples.rate_rad_s[k][axis]};
-    mean /= static_cast<double>(end - first);
-    sum += mean;
-    squares += mean * mean;
+  std::vector<double> means(parts);
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t first = part * size / parts;
+    const std::size_t end = (part + 1) * size / parts;
+    for (std::size_t k = first; k < end; ++k) means[part] += double{samples.rate_rad_s[k][axis]};
+    means[part] /= static_cast<double>(end - first);
   }
-  const double mean = sum / kParts;
-  return Level{mean, std::sqrt(std::max(0.0, squares - kParts * mean * mean) / (kParts - 1))};
+  return means;
 }
 
-bool is_near_zero(const std::optional<Level>& level) {
+/// Overlapped Allan variance of means of so many parts.
+double allan_variance(const std::vector<double>& parts, std::size_t together) {
+  std::vector<double> sums{0.0};
+  for (const double part : parts) sums.push_back(sums.back() + part);
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (std::size_t k = 2 * together; k < sums.size(); ++k, ++count) {
+    const double difference = (sums[k] - 2.0 * sums[k - together] + sums[k - 2 * together]) /
+                              static_cast<double>(together);
+    squares += difference * difference;
+  }
+  return 0.5 * squares / static_cast<double>(count);
+}
+
+std::optional<Level> level_of(const RestSamples& samples, std::size_t axis) {
+  constexpr std::size_t kParts = 200;
+  constexpr std::size_t kTogether = 10;
+  constexpr std::size_t kTenths = 10;
+  if (samples.time.size() < kParts) return std::nullopt;
+  const std::vector<double> parts = means_of_parts(samples, axis, kParts);
+  const double by_white_noise = allan_variance(parts, 1) / kTogether;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const double tenth : means_of_parts(samples, axis, kTenths)) {
+    sum += tenth;
+    squares += tenth * tenth;
+  }
+  const double mean = sum / kTenths;
+  return Level{
+      .mean_rad_s = mean,
+      .scatter_rad_s = std::sqrt(std::max(0.0, squares - kTenths * mean * mean) / (kTenths - 1)),
+      .slow_noise = by_white_noise > 0.0 ? allan_variance(parts, kTogether) / by_white_noise : 1.0};
+}
+
+/// The level of an axis whose mean is near zero.
+std::optional<Level> near_zero(const RestSamples& samples, std::size_t axis) {
   constexpr double kShare = 0.5;
   constexpr double kDrift_rad_s = 0.05 / kDegPerRad;
-  return level && std::abs(level->mean_rad_s) < kShare * level->scatter_rad_s &&
-         level->scatter_rad_s <= kDrift_rad_s;
+  const std::optional<Level> level = level_of(samples, axis);
+  const bool is_near = level && std::abs(level->mean_rad_s) < kShare * level->scatter_rad_s &&
+                       level->scatter_rad_s <= kDrift_rad_s;
+  return is_near ? level : std::nullopt;
 }
+
+/// Means of as many ratios of white noise exceed one limit, and stay below the other, with a
+/// probability of 0.999 (30,000 records of 200 values).
+struct Limits {
+  double least;
+  double most;
+};
+constexpr std::array kOfWhiteNoise{Limits{0.38, 2.31}, Limits{0.52, 1.84}, Limits{0.60, 1.67}};
 
 RestDoubt doubt_of(const std::string& axes, const Level& level) {
   return {doubt::kBias,
@@ -55,16 +99,38 @@ RestDoubt doubt_of(const std::string& axes, const Level& level) {
 
 }  // namespace
 
-bool is_mean_near_zero(const RestSamples& samples, std::size_t axis) {
-  return is_near_zero(level_of(samples, axis));
+std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_t axis) {
+  const std::optional<Level> level = near_zero(samples, axis);
+  if (!level) return std::nullopt;
+  return fmt::format(
+      "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
+      "a bias already taken out? A node needs the rates of the chip.",
+      level->mean_rad_s * kDegPerRad, level->scatter_rad_s * kDegPerRad);
 }
 
-std::vector<RestDoubt> doubts_of_near_zero_means(const RestSamples& samples) {
+std::vector<std::size_t> axes_without_bias(const RestSamples& samples) {
+  std::vector<std::size_t> axes;
+  double slow_noise = 0.0;
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+    const std::optional<Level> level = near_zero(samples, axis);
+    if (!level) continue;
+    axes.push_back(axis);
+    slow_noise += level->slow_noise;
+  }
+  if (axes.empty()) return axes;
+  slow_noise /= static_cast<double>(axes.size());
+  const Limits limits = kOfWhiteNoise.at(axes.size() - 1);
+  const bool is_missing = slow_noise < limits.least;
+  const bool is_held_down = axes.size() == kOfWhiteNoise.size() && slow_noise > limits.most;
+  if (!is_missing && !is_held_down) axes.clear();
+  return axes;
+}
+
+std::vector<RestDoubt> doubts_of_bias_taken_out(const RestSamples& samples) {
   std::vector<RestDoubt> doubts;
   std::optional<Level> largest;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    const std::optional<Level> level = level_of(samples, axis);
-    if (!is_near_zero(level)) continue;
+  for (const std::size_t axis : axes_without_bias(samples)) {
+    const std::optional<Level> level = near_zero(samples, axis);
     if (!largest || std::abs(level->mean_rad_s) > std::abs(largest->mean_rad_s)) largest = level;
     doubts.push_back(doubt_of("axis " + samples.axis_name(axis), *level));
     doubts.back().axis = axis;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "host_tools/lib/identify/rest_doubt.hpp"
@@ -10,14 +12,20 @@
 
 namespace zerorate::identify {
 
-/// Whether the mean of an axis is less than half the standard deviation of the means of tenths of
+/// Remark on an axis whose mean is less than half the standard deviation of the means of tenths of
 /// the recording, which must not exceed 0.05 deg/s: a larger drift may cross zero. The zero-rate
-/// level of a MEMS gyro is a hundred times as large; software that takes a bias out leaves such a
-/// mean.
-[[nodiscard]] bool is_mean_near_zero(const RestSamples& samples, std::size_t axis);
+/// level of a MEMS gyro is a hundred times as large.
+[[nodiscard]] std::optional<std::string> remark_on_mean(const RestSamples& samples,
+                                                        std::size_t axis);
 
-/// One doubt for all axes where all are like that, and one for each axis otherwise. None is
+/// Axes with such a mean whose slow noise shows that more than one constant was taken out, because
+/// less of it is there than of white noise; or all three axes, where slow noise is there and none
+/// of them has moved away from zero. Rates that were made as white noise about zero are not among
+/// them.
+[[nodiscard]] std::vector<std::size_t> axes_without_bias(const RestSamples& samples);
+
+/// One doubt for all axes where none has its bias, and one for each axis otherwise. None is
 /// certain: white noise remains as it was.
-[[nodiscard]] std::vector<RestDoubt> doubts_of_near_zero_means(const RestSamples& samples);
+[[nodiscard]] std::vector<RestDoubt> doubts_of_bias_taken_out(const RestSamples& samples);
 
 }  // namespace zerorate::identify

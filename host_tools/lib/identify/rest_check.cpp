@@ -216,7 +216,7 @@ std::vector<RestDoubt> doubts_of_rest(const RestSamples& all) {
   put_first(doubt::kSensors, sensors_in_turn(samples));
   std::ranges::move(doubts_of_frozen_axes(all), std::inserter(doubts, doubts.begin()));
   put_first(doubt::kAngles, angles_not_rates(samples));
-  std::ranges::move(doubts_of_near_zero_means(samples), std::back_inserter(doubts));
+  std::ranges::move(doubts_of_bias_taken_out(samples), std::back_inserter(doubts));
   return doubts;
 }
 

@@ -38,7 +38,7 @@ TEST(SlowCause, IsSureWhereTheMeanIsThatOfASensor) {
 
 TEST(SlowCause, IsNotSureWhereABiasWasTakenOut) {
   Record record = correlated_record();
-  record.is_mean_near_zero = true;
+  record.is_bias_taken_out = true;
   const Diagnosis diagnosis = diagnose(std::move(record));
   ASSERT_FALSE(diagnosis.causes.empty());
   EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);

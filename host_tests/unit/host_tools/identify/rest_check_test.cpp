@@ -118,6 +118,19 @@ void high_pass(RestSamples& rest, std::size_t axis, double time_constant) {
   }
 }
 
+// Noise that was made about zero, or a sensor whose mean was taken off the whole recording.
+TEST(GyroWithoutABias, IsInNoDoubtWhereItsNoiseIsWhite) {
+  for (const double sway_dps : {0.0, 1e-5}) {
+    RestSamples rest = samples([&](double t) { return sway_dps * std::sin(0.05 * t); });
+    for (auto& rates : rest.rate_rad_s) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        rates[axis] -= static_cast<float>(kBias_dps[axis] * kRadPerDeg);
+      }
+    }
+    EXPECT_THAT(sentences(rest, false), IsEmpty()) << sway_dps;
+  }
+}
+
 TEST(GyroWhoseBiasWasTakenOut, IsTold) {
   for (const std::size_t block : {100U, 500U, 2'000U}) {
     RestSamples rest = samples([](double t) { return 0.01 * std::sin(0.05 * t); });

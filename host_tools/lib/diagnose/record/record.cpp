@@ -77,12 +77,13 @@ Record record_of(const identify::RestSamples& samples, std::size_t axis) {
 std::vector<Record> records_of(const identify::RestSamples& samples,
                                std::span<const std::size_t> axes,
                                const identify::AcceptedDoubts& accepted) {
+  std::vector<std::size_t> without_bias;
+  if (!accepted.has(identify::doubt::kBias)) without_bias = identify::axes_without_bias(samples);
   std::vector<Record> records;
   records.reserve(axes.size());
   for (const std::size_t axis : axes) {
     records.push_back(record_of(samples, axis));
-    records.back().is_mean_near_zero =
-        !accepted.has(identify::doubt::kBias) && identify::is_mean_near_zero(samples, axis);
+    records.back().is_bias_taken_out = std::ranges::find(without_bias, axis) != without_bias.end();
   }
   return records;
 }
@@ -117,7 +118,7 @@ Record beginning_of(const Record& record, std::size_t size) {
           .inputs = record.inputs,
           .index = record.index,
           .truncation = record.truncation,
-          .is_mean_near_zero = record.is_mean_near_zero};
+          .is_bias_taken_out = record.is_bias_taken_out};
 }
 
 }  // namespace zerorate::diagnose

@@ -27,7 +27,7 @@ struct Record {
   std::size_t index = 0;            ///< number of the axis in them
   TruncationEvidence truncation{};  ///< evidence of all axes; undone where found
   /// A bias was likely taken out upstream, and nobody has accepted it (identify::doubt::kBias).
-  bool is_mean_near_zero = false;
+  bool is_bias_taken_out = false;
 
   [[nodiscard]] std::size_t size() const { return rate_rad_s.size(); }
 };
