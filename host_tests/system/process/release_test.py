@@ -124,6 +124,7 @@ class WholeRelease(Clones):
         for processor in ("m0plus", "m4f", "m7"):
             self.assertIn(f"zerorate-{self.version}-cortex-{processor}.tar.gz", names)
         self.assertIn("zerorate-pico.uf2", names)
+        self.assertIn(f"zerorate-{self.version}.spdx", names)
         self.assertEqual(len([name for name in names if name.endswith(".whl")]), 1)
 
 
