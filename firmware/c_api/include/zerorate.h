@@ -57,7 +57,7 @@ extern "C" {
 #define ZERORATE_ALIGNED _Alignas(16)
 #endif
 
-/** Version of this header and its library; what a version may change: docs/reference/versions.md. */
+/** Version of header and library. What a version may change: docs/reference/versions.md. */
 #define ZERORATE_VERSION "0.2.0"
 
 /** For zerorate_save() and zerorate_restore(): no clock runs while the power is off. */
