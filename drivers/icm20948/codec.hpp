@@ -54,7 +54,8 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x02, g_8 = 0x04
 }
 
 /// Code of the filters whose corner is below half the output rate, in bits 5:3 of GYRO_CONFIG_1 and
-/// of ACCEL_CONFIG, with the bit that switches them on.
+/// of ACCEL_CONFIG, with the bit that switches them on. The divider of the gyro works with the
+/// codes 1 to 6 (GYRO_SMPLRT_DIV).
 [[nodiscard]] constexpr std::uint8_t encode_filter(OutputDataRate rate) {
   unsigned code = 0;
   switch (rate) {
@@ -73,6 +74,8 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x02, g_8 = 0x04
       code = 3;  // 51.2 Hz, 50.4 Hz
       break;
     case OutputDataRate::hz_562_5:
+      code = 1;  // 151.8 Hz, 246 Hz
+      break;
     case OutputDataRate::hz_1125:
       code = 0;  // 196.6 Hz, 246 Hz
       break;
