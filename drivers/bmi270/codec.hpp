@@ -9,6 +9,7 @@
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "drivers/bmi270/registers.hpp"
+#include "drivers/common/fifo_level.hpp"
 
 namespace zerorate::drivers::bmi270 {
 
@@ -86,22 +87,13 @@ struct InitAddress {
   return {static_cast<std::uint8_t>(word & 0x0FU), static_cast<std::uint8_t>(word >> 4U)};
 }
 
-/// Level of the FIFO.
-struct FifoLevel {
-  std::uint16_t frames;  ///< complete frames that wait
-  bool is_whole;         ///< whether there are no bytes beside them
-  bool is_overrun;       ///< whether frames were lost, or are about to be
-  bool is_plausible;     ///< whether the FIFO of some file can contain so much
-};
-
 /// Level by FIFO_LENGTH_0 and 1, 14 bits. A frame has six or twelve bytes; 2048 is no multiple of
-/// either. Room for three frames is kept free: no frame shows that the chip dropped the oldest.
-/// Where the file gives a longer FIFO, a level above 2048 bytes counts as an overrun all the same.
+/// either. Where the file gives a longer FIFO, a level above 2048 bytes counts as an overrun all
+/// the same.
 [[nodiscard]] constexpr FifoLevel decode_fifo_length(std::uint8_t low, std::uint8_t high,
                                                      unsigned frame_bytes) {
   const auto bytes = static_cast<unsigned>(low | ((high & 0x3FU) << 8U));
-  return {static_cast<std::uint16_t>(bytes / frame_bytes), bytes % frame_bytes == 0,
-          bytes + 3 * frame_bytes > kFifoBytes, bytes <= kLongestFifoBytes};
+  return fifo_level(bytes, frame_bytes, kFifoBytes, kLongestFifoBytes);
 }
 
 /// True if a frame has no rate, because the gyro had none: the chip fills its place in this way.

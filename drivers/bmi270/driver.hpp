@@ -18,6 +18,7 @@
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
@@ -37,7 +38,7 @@ struct Settings {
   OutputDataRate rate = OutputDataRate::hz_100;
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1, at most 160
-  /// Bosch's file for the chip, which must outlive the driver: README.
+  /// Bosch's file for the chip (README). The bytes must outlive the driver.
   std::span<const std::uint8_t> config_file{};
 };
 
@@ -65,11 +66,11 @@ class Bmi270 {
 
   /// Without a file whose size can be right always no_config_file. First call: identity, then
   /// software reset, then always not_ready. Later calls: not_ready until 10 ms have passed; then
-  /// the chip is woken, and 1 ms later each call loads 256 bytes of the file; 150 ms after the last
-  /// of them configuration (37 transactions) and success, or sensor_fault if the chip did not take
-  /// the file. Over SPI one reading and 2 ms come before the identity, at first and after the
-  /// reset: the chip is on I2C until then. When it runs, or after any other error, a call begins
-  /// anew.
+  /// the chip is woken, and 1 ms later each call loads 256 bytes of the file. The call behind the
+  /// last of them ends the loading; 150 ms after it configuration (37 transactions) and success, or
+  /// sensor_fault if the chip did not take the file. Over SPI one reading and 2 ms come before the
+  /// identity, at first and after the reset: the chip is on I2C until then. When it runs, or after
+  /// any other error, a call begins anew.
   core::Result<void, DriverError> start(core::Instant now) {
     if (!loader_.is_possible()) {
       return refused(DriverErrorCode::no_config_file, bmi270::kInitData.address);
@@ -244,12 +245,12 @@ class Bmi270 {
   }
 
   core::Result<void, DriverError> load(core::Instant now) {
-    if (const auto done = loader_.load_portion(bus_); !done) return done;
-    if (!loader_.is_done()) {
-      stage_ = Stage::loading;
-      return not_ready();
+    if (loader_.is_done()) {
+      return wait_after(write_register(bus_, bmi270::kInitCtrl, 1), now, Stage::loaded);
     }
-    return wait_after(write_register(bus_, bmi270::kInitCtrl, 1), now, Stage::loaded);
+    if (const auto done = loader_.load_portion(bus_); !done) return done;
+    stage_ = Stage::loading;
+    return not_ready();
   }
 
   core::Result<void, DriverError> finish_start(core::Instant now) {
@@ -327,7 +328,7 @@ class Bmi270 {
   /// Reads the level, and once more where bytes are left over: they may be a frame that is being
   /// written.
   core::Result<std::size_t, DriverError> read_fifo_level(std::int16_t& temperature) {
-    bmi270::FifoLevel level{};
+    FifoLevel level{};
     for (int attempt = 0; attempt < 2 && !level.is_whole; ++attempt) {
       std::array<std::uint8_t, 5> bytes{};  // internal status, temperature, level
       if (const auto done = read_registers(bus_, bmi270::kInternalStatus, bytes); !done) {

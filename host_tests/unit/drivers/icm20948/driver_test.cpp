@@ -77,7 +77,7 @@ TEST(Icm20948Filter, IsOneThatTheDividerWorksWith) {
 }
 
 TEST(Icm20948FifoLevel, KeepsRoomForThreeSamples) {
-  EXPECT_EQ(icm20948::decode_fifo_level(0x00, 0x12).samples, 3);
+  EXPECT_EQ(icm20948::decode_fifo_level(0x00, 0x12).frames, 3);
   EXPECT_TRUE(icm20948::decode_fifo_level(0x00, 0x12).is_whole);
   EXPECT_FALSE(icm20948::decode_fifo_level(0x00, 0x12, 12).is_whole);
   EXPECT_FALSE(icm20948::decode_fifo_level(0x01, 0xEC).is_overrun) << "492 bytes";
