@@ -7,6 +7,7 @@
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "drivers/bmi160/registers.hpp"
+#include "drivers/common/fifo_level.hpp"
 
 namespace zerorate::drivers::bmi160 {
 
@@ -79,21 +80,11 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x03, g_4 = 0x05, g_8 = 0x08
   return static_cast<std::uint8_t>(frames * frame_bytes / 4U);
 }
 
-/// Level of the FIFO.
-struct FifoLevel {
-  std::uint16_t frames;  ///< complete frames that wait
-  bool is_whole;         ///< whether there are no bytes beside them
-  bool is_overrun;       ///< whether frames were lost, or are about to be
-  bool is_plausible;     ///< whether the FIFO can contain so much
-};
-
 /// Level by FIFO_LENGTH_0 and 1. A frame has six or twelve bytes; 1024 is no multiple of either.
-/// Room for three frames is kept free: nothing shows that the chip dropped the oldest.
 [[nodiscard]] constexpr FifoLevel decode_fifo_length(std::uint8_t low, std::uint8_t high,
                                                      unsigned frame_bytes) {
   const auto bytes = static_cast<unsigned>(low | (high << 8U));
-  return {static_cast<std::uint16_t>(bytes / frame_bytes), bytes % frame_bytes == 0,
-          bytes + 3 * frame_bytes > kFifoBytes, bytes <= kFifoBytes};
+  return fifo_level(bytes, frame_bytes, kFifoBytes);
 }
 
 /// Nominal period: the chip has no trim register.

@@ -17,6 +17,7 @@
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
@@ -267,7 +268,7 @@ class Bmi160 {
   /// Reads the level, and once more where bytes are left over: they may be a frame that is being
   /// written.
   core::Result<std::size_t, DriverError> read_fifo_level(std::int16_t& temperature) {
-    bmi160::FifoLevel level{};
+    FifoLevel level{};
     for (int attempt = 0; attempt < 2 && !level.is_whole; ++attempt) {
       std::array<std::uint8_t, 9> bytes{};  // status, interrupts, temperature, level
       if (const auto done = read_registers(bus_, bmi160::kStatus, bytes); !done) {

@@ -2,12 +2,14 @@
 /// Meaning of the BMI270's bits, as pure functions; README.md gives the source of each fact.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "drivers/bmi270/registers.hpp"
+#include "drivers/common/fifo_level.hpp"
 
 namespace zerorate::drivers::bmi270 {
 
@@ -41,8 +43,8 @@ inline constexpr std::int16_t kFullScaleRaw = 32767;
   return core::deg_per_s(2000.0F / static_cast<float>(32768U << code));
 }
 
-/// GYR_RANGE. At the widest range that of the second interface is set to it too: a user saw wrong
-/// scales in the FIFO without it (README).
+/// GYR_RANGE. At the widest range that of the second interface is set to it too: public drivers saw
+/// another scale in the FIFO without it (README).
 [[nodiscard]] constexpr std::uint8_t encode_range(FullScale full_scale) {
   constexpr unsigned kSecondInterface = 0x08;
   const unsigned code = static_cast<unsigned>(full_scale);
@@ -85,21 +87,18 @@ struct InitAddress {
   return {static_cast<std::uint8_t>(word & 0x0FU), static_cast<std::uint8_t>(word >> 4U)};
 }
 
-/// Level of the FIFO.
-struct FifoLevel {
-  std::uint16_t frames;  ///< complete frames that wait
-  bool is_whole;         ///< whether there are no bytes beside them
-  bool is_overrun;       ///< whether frames were lost, or are about to be
-  bool is_plausible;     ///< whether the FIFO can contain so much
-};
-
 /// Level by FIFO_LENGTH_0 and 1, 14 bits. A frame has six or twelve bytes; 2048 is no multiple of
-/// either. Room for three frames is kept free: nothing shows that the chip dropped the oldest.
+/// either. Where the file gives a longer FIFO, a level above 2048 bytes counts as an overrun all
+/// the same.
 [[nodiscard]] constexpr FifoLevel decode_fifo_length(std::uint8_t low, std::uint8_t high,
                                                      unsigned frame_bytes) {
   const auto bytes = static_cast<unsigned>(low | ((high & 0x3FU) << 8U));
-  return {static_cast<std::uint16_t>(bytes / frame_bytes), bytes % frame_bytes == 0,
-          bytes + 3 * frame_bytes > kFifoBytes, bytes <= kFifoBytes};
+  return fifo_level(bytes, frame_bytes, kFifoBytes, kLongestFifoBytes);
+}
+
+/// True if a frame has no rate, because the gyro had none: the chip fills its place in this way.
+[[nodiscard]] constexpr bool is_placeholder(const std::array<std::int16_t, 3>& raw) {
+  return raw[0] == 0x7F02 && raw[1] == -32768;
 }
 
 /// Nominal period: the chip has no trim register.
@@ -109,14 +108,15 @@ struct FifoLevel {
                                       << (kCodeOf1600Hz - static_cast<unsigned>(rate)));
 }
 
-/// Times until the chip may be used: after a reset, after its power save was switched off, and
-/// after its file was loaded.
+/// Times until the chip may be used: after chip select rose for the first time, after a reset,
+/// after its power save was switched off, and after its file was loaded.
+inline constexpr core::Duration kInterfaceTime = core::Duration::milliseconds(2);
 inline constexpr core::Duration kResetTime = core::Duration::milliseconds(10);
 inline constexpr core::Duration kWakeTime = core::Duration::milliseconds(1);
 inline constexpr core::Duration kLoadTime = core::Duration::milliseconds(150);
 
-/// Time after configuration until the output may be used: the start of the gyro, and three samples
-/// for those that are not aligned with our clock.
+/// Time after configuration until the output may be used: nearly twice the start-up time of the
+/// gyro, 45 ms, and three samples for those that are not aligned with our clock.
 [[nodiscard]] constexpr core::Duration settling_time(core::Duration period) {
   return core::Duration::milliseconds(85) + period * 3;
 }

@@ -18,6 +18,7 @@
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
@@ -37,7 +38,7 @@ struct Settings {
   OutputDataRate rate = OutputDataRate::hz_100;
   Mode mode = Mode::data_ready;
   std::uint8_t fifo_watermark = 8;  ///< samples that raise INT1, at most 160
-  /// Bosch's file for the chip, which must outlive the driver: README.
+  /// Bosch's file for the chip (README). The bytes must outlive the driver.
   std::span<const std::uint8_t> config_file{};
 };
 
@@ -65,9 +66,11 @@ class Bmi270 {
 
   /// Without a file whose size can be right always no_config_file. First call: identity, then
   /// software reset, then always not_ready. Later calls: not_ready until 10 ms have passed; then
-  /// the chip is woken, and 1 ms later each call loads 256 bytes of the file; 150 ms after the last
-  /// of them configuration (37 transactions) and success, or sensor_fault if the chip did not take
-  /// the file. When it runs, or after any other error, a call begins anew.
+  /// the chip is woken, and 1 ms later each call loads 256 bytes of the file. The call behind the
+  /// last of them ends the loading; 150 ms after it configuration (37 transactions) and success, or
+  /// sensor_fault if the chip did not take the file. Over SPI one reading and 2 ms come before the
+  /// identity, at first and after the reset: the chip is on I2C until then. When it runs, or after
+  /// any other error, a call begins anew.
   core::Result<void, DriverError> start(core::Instant now) {
     if (!loader_.is_possible()) {
       return refused(DriverErrorCode::no_config_file, bmi270::kInitData.address);
@@ -75,9 +78,11 @@ class Bmi270 {
     const Stage stage = stage_;
     if (is_waiting(now)) return not_ready();
     stage_ = Stage::off;
-    if (const auto known = check_identity(); !known) return known;
+    if (is_on_i2c(stage)) return select_spi(now, stage);
+    if (const auto known = expect_identity(DriverErrorCode::wrong_identity); !known) return known;
     switch (stage) {
       case Stage::resetting:
+      case Stage::on_spi_again:
         return wait_after(write_register(bus_, bmi270::kPwrConf, bmi270::bits::kPwrConfAwake), now,
                           Stage::waking);
       case Stage::waking:
@@ -125,7 +130,16 @@ class Bmi270 {
         configuration_(configuration(settings, range)),
         scale_(scale(range)) {}
 
-  enum class Stage : std::uint8_t { off, resetting, waking, loading, loaded, running };
+  enum class Stage : std::uint8_t {
+    off,
+    on_spi,
+    resetting,
+    on_spi_again,
+    waking,
+    loading,
+    loaded,
+    running,
+  };
   static constexpr std::size_t kGyroEntries = 12;
   static constexpr std::size_t kEntries = kGyroEntries + (kHasAccelerometer ? 2 : 0);
   static constexpr std::size_t kFrameBytes =
@@ -195,19 +209,24 @@ class Bmi270 {
 
   [[nodiscard]] bool is_waiting(core::Instant now) const {
     const core::Duration passed = now - commanded_at_;
-    return (stage_ == Stage::resetting && passed < bmi270::kResetTime) ||
+    const bool is_changing = stage_ == Stage::on_spi || stage_ == Stage::on_spi_again;
+    return (is_changing && passed < bmi270::kInterfaceTime) ||
+           (stage_ == Stage::resetting && passed < bmi270::kResetTime) ||
            (stage_ == Stage::waking && passed < bmi270::kWakeTime) ||
            (stage_ == Stage::loaded && passed < bmi270::kLoadTime);
   }
 
-  /// After power-on and after a reset the chip is on I2C until chip select rises once.
-  core::Result<void, DriverError> check_identity() {
-    if constexpr (kIsSpi<Bus>) {
-      if (const auto woken = read_register(bus_, bmi270::kChipId); !woken) {
-        return core::Unexpected{woken.error()};
-      }
-    }
-    return expect_identity(DriverErrorCode::wrong_identity);
+  /// True over SPI where the chip may be on I2C still, as after power-on and after a reset.
+  static constexpr bool is_on_i2c(Stage stage) {
+    return kIsSpi<Bus> &&
+           (stage == Stage::off || stage == Stage::resetting || stage == Stage::running);
+  }
+
+  /// Chip select rises after a reading, which is worth nothing itself.
+  core::Result<void, DriverError> select_spi(core::Instant now, Stage stage) {
+    const auto ignored = read_register(bus_, bmi270::kChipId);
+    if (!ignored) return core::Unexpected{ignored.error()};
+    return wait_after({}, now, stage == Stage::resetting ? Stage::on_spi_again : Stage::on_spi);
   }
 
   core::Result<void, DriverError> expect_identity(DriverErrorCode otherwise) {
@@ -226,12 +245,12 @@ class Bmi270 {
   }
 
   core::Result<void, DriverError> load(core::Instant now) {
-    if (const auto done = loader_.load_portion(bus_); !done) return done;
-    if (!loader_.is_done()) {
-      stage_ = Stage::loading;
-      return not_ready();
+    if (loader_.is_done()) {
+      return wait_after(write_register(bus_, bmi270::kInitCtrl, 1), now, Stage::loaded);
     }
-    return wait_after(write_register(bus_, bmi270::kInitCtrl, 1), now, Stage::loaded);
+    if (const auto done = loader_.load_portion(bus_); !done) return done;
+    stage_ = Stage::loading;
+    return not_ready();
   }
 
   core::Result<void, DriverError> finish_start(core::Instant now) {
@@ -285,7 +304,9 @@ class Bmi270 {
     const auto decode = [&](std::span<const std::uint8_t, kFrameBytes> bytes, GyroSample& sample) {
       const core::Instant time = sample_clock_.next();
       const AxesBytes gyro = bytes.template first<6>();
-      if (blank_frames_.is_blank(raw_axes(gyro)) || time < settled_at_) return Frame::no_sample;
+      const auto raw = raw_axes(gyro);
+      if (bmi270::is_placeholder(raw)) return Frame::no_sample;
+      if (blank_frames_.is_blank(raw) || time < settled_at_) return Frame::no_sample;
       sample = make_sample(time, gyro, temperature);
       if constexpr (kHasAccelerometer) {
         set_acceleration(sample, raw_axes(bytes.template last<6>()), scale_);
@@ -307,7 +328,7 @@ class Bmi270 {
   /// Reads the level, and once more where bytes are left over: they may be a frame that is being
   /// written.
   core::Result<std::size_t, DriverError> read_fifo_level(std::int16_t& temperature) {
-    bmi270::FifoLevel level{};
+    FifoLevel level{};
     for (int attempt = 0; attempt < 2 && !level.is_whole; ++attempt) {
       std::array<std::uint8_t, 5> bytes{};  // internal status, temperature, level
       if (const auto done = read_registers(bus_, bmi270::kInternalStatus, bytes); !done) {

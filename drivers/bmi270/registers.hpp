@@ -77,7 +77,9 @@ inline constexpr std::uint8_t kPwrCtrlTemp = 0x08;
 inline constexpr std::uint8_t kCmdFifoFlush = 0xB0;
 inline constexpr std::uint8_t kCmdSoftReset = 0xB6;
 
+/// The longer one is that of Bosch's file without features.
 inline constexpr unsigned kFifoBytes = 2048;
+inline constexpr unsigned kLongestFifoBytes = 6144;
 /// x, y and z of the gyro, without a header; those of the accelerometer behind them.
 inline constexpr unsigned kFifoFrameBytes = 6;
 inline constexpr unsigned kLongFrameBytes = 12;

@@ -6,6 +6,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/icm20948/registers.hpp"
 
 namespace zerorate::drivers::icm20948 {
@@ -54,7 +55,8 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x02, g_8 = 0x04
 }
 
 /// Code of the filters whose corner is below half the output rate, in bits 5:3 of GYRO_CONFIG_1 and
-/// of ACCEL_CONFIG, with the bit that switches them on.
+/// of ACCEL_CONFIG, with the bit that switches them on. The divider of the gyro works with the
+/// codes 1 to 6 (GYRO_SMPLRT_DIV).
 [[nodiscard]] constexpr std::uint8_t encode_filter(OutputDataRate rate) {
   unsigned code = 0;
   switch (rate) {
@@ -73,6 +75,8 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x02, g_8 = 0x04
       code = 3;  // 51.2 Hz, 50.4 Hz
       break;
     case OutputDataRate::hz_562_5:
+      code = 1;  // 151.8 Hz, 246 Hz
+      break;
     case OutputDataRate::hz_1125:
       code = 0;  // 196.6 Hz, 246 Hz
       break;
@@ -88,25 +92,16 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x02, g_8 = 0x04
   return core::Duration::nanoseconds((divider * kSecond_ns + kBase_hz / 2) / kBase_hz);
 }
 
-/// Level of the FIFO.
-struct FifoLevel {
-  std::uint16_t samples;  ///< complete samples that wait
-  bool is_whole;          ///< there are no bytes beside them
-  bool is_overrun;        ///< samples were lost, or are about to be
-  bool is_plausible;      ///< no list of registers has a FIFO that contains more
-};
-
-/// FIFO_COUNTH and FIFO_COUNTL. A sample is six or twelve bytes, which no FIFO is a multiple of: a
-/// full one shows in bytes that are left over. Room for three samples is kept free in the 512 bytes
-/// that are certain: samples may come while the FIFO is read.
+/// Level by FIFO_COUNTH and FIFO_COUNTL. A sample is six or twelve bytes, which no FIFO is a
+/// multiple of: a full one shows in bytes that are left over. The data sheet has a FIFO of 512
+/// bytes, a public project found 4096 (README).
 /// @param bytes_each  of a sample
 [[nodiscard]] constexpr FifoLevel decode_fifo_level(std::uint8_t high, std::uint8_t low,
                                                     unsigned bytes_each = kFifoSampleBytes) {
   constexpr unsigned kCertain = 512;
   constexpr unsigned kMost = 4096;
   const auto bytes = static_cast<unsigned>((high << 8U) | low);
-  return {static_cast<std::uint16_t>(bytes / bytes_each), bytes % bytes_each == 0,
-          bytes + 3 * bytes_each > kCertain, bytes <= kMost};
+  return fifo_level(bytes, bytes_each, kCertain, kMost);
 }
 
 /// Time until the chip may be used after a reset, and after it was woken, each.

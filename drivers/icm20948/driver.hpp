@@ -14,6 +14,7 @@
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
@@ -211,7 +212,7 @@ class Icm20948 {
   /// Reads the level, and once more where bytes are left over: they may be a sample that is being
   /// written.
   core::Result<std::size_t, DriverError> read_fifo_level() {
-    icm20948::FifoLevel level{};
+    FifoLevel level{};
     for (int attempt = 0; attempt < 2 && !level.is_whole; ++attempt) {
       std::array<std::uint8_t, 2> bytes{};
       if (const auto done = read_registers(bus_, icm20948::kFifoCountH, bytes); !done) {
@@ -223,7 +224,7 @@ class Icm20948 {
       return refused(DriverErrorCode::corrupt_data, icm20948::kFifoCountH.address);
     }
     if (level.is_overrun || !level.is_whole) return report_overrun();
-    return std::size_t{level.samples};
+    return std::size_t{level.frames};
   }
 
   /// The start of a sample in the FIFO is unknown: the FIFO is emptied, and the gap is reported.

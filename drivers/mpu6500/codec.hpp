@@ -8,6 +8,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/mpu6500/registers.hpp"
 
 namespace zerorate::drivers::mpu6500 {
@@ -156,26 +157,16 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0x00, g_4 = 0x08, g_8 = 0x10
   return core::Duration::milliseconds(1 + static_cast<std::int64_t>(rate));
 }
 
-/// Level of the FIFO.
-struct FifoLevel {
-  std::uint16_t samples;  ///< complete samples that wait
-  bool is_whole;          ///< there are no bytes beside them
-  bool is_overrun;        ///< samples were lost, or are about to be
-  bool is_plausible;      ///< the FIFO can hold so much
-};
-
 /// FIFO_COUNTH and FIFO_COUNTL. A sample is six or twelve bytes, which no FIFO is a multiple of: a
 /// full one shows in bytes that are left over. With the temperature it is eight or fourteen, and
-/// the temperature is its mark. Room for three samples is kept free, as Linux does it: they may
-/// come while the FIFO is read.
+/// the temperature is its mark.
 /// @param plain_bytes  of a sample, without a temperature
 [[nodiscard]] constexpr FifoLevel decode_fifo_level(const Variant& variant, std::uint8_t high,
                                                     std::uint8_t low,
                                                     unsigned plain_bytes = kFifoSampleBytes) {
   const auto bytes = static_cast<unsigned>((high << 8U) | low);
   const unsigned size = sample_bytes(variant, plain_bytes);
-  return {static_cast<std::uint16_t>(bytes / size), bytes % size == 0,
-          bytes + 3 * size > variant.fifo_bytes, bytes <= variant.fifo_bytes};
+  return fifo_level(bytes, size, variant.fifo_bytes);
 }
 
 /// True if the temperature in a sample of the FIFO is within 5 degC of the register's: it shows

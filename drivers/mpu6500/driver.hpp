@@ -14,6 +14,7 @@
 #include "drivers/common/configuration_table.hpp"
 #include "drivers/common/driver_error.hpp"
 #include "drivers/common/fifo_drain.hpp"
+#include "drivers/common/fifo_level.hpp"
 #include "drivers/common/gyro_source.hpp"
 #include "drivers/common/register_access.hpp"
 #include "drivers/common/sample_clock.hpp"
@@ -245,7 +246,7 @@ class Mpu6500 {
   /// Reads the level, and once more where bytes are left over: they may be a sample that is being
   /// written.
   core::Result<std::size_t, DriverError> read_fifo_level() {
-    mpu6500::FifoLevel level{};
+    FifoLevel level{};
     for (int attempt = 0; attempt < 2 && !level.is_whole; ++attempt) {
       std::array<std::uint8_t, 2> bytes{};
       if (const auto done = read_registers(bus_, mpu6500::kFifoCountH, bytes); !done) {
@@ -257,7 +258,7 @@ class Mpu6500 {
       return refused(DriverErrorCode::corrupt_data, mpu6500::kFifoCountH.address);
     }
     if (level.is_overrun || !level.is_whole) return report_overrun();
-    return std::size_t{level.samples};
+    return std::size_t{level.frames};
   }
 
   /// The start of a sample in the FIFO is unknown: the FIFO is emptied, and the gap is reported.

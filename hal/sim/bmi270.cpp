@@ -47,9 +47,10 @@ constexpr std::size_t kFifoBytes = 2048;
 constexpr std::uint8_t kSumOfFile = 0xA5;
 constexpr core::Duration kResetTime = core::Duration::milliseconds(2);
 constexpr core::Duration kJudgement = core::Duration::milliseconds(20);
-/// End of the error of a gyro that was switched on, and of an accelerometer.
-constexpr core::Duration kGyroStart = core::Duration::milliseconds(65);
-constexpr core::Duration kAccelerometerStart = core::Duration::milliseconds(20);
+/// Start-up times (BST-BMI270-DS000): end of the error of a gyro that was switched on, and of an
+/// accelerometer.
+constexpr core::Duration kGyroStart = core::Duration::milliseconds(45);
+constexpr core::Duration kAccelerometerStart = core::Duration::milliseconds(2);
 
 bool is_writable(std::uint8_t address) {
   return (address >= feat_page && address <= 0x4F) ||

@@ -209,9 +209,6 @@ std::uint8_t SimulatedIcm20948::read_register(std::uint8_t address) {
   if (address == reg_bank_sel) return registers_[reg_bank_sel];
   if (bank() == 2) return registers_.at(0x80U | address);
   if (bank() != 0) return 0;
-  if ((registers_[int_pin_cfg] & 0x10U) != 0 && !is_within(address, int_status, int_status_3)) {
-    for (std::uint8_t status = int_status; status <= int_status_3; ++status) take_status(status);
-  }
   if (is_within(address, int_status, int_status_3)) return take_status(address);
   if (address == fifo_r_w) return read_fifo_byte();
   if (address == fifo_count_h) return static_cast<std::uint8_t>(fifo_.size() >> 8U);

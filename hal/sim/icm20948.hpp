@@ -24,7 +24,8 @@ namespace zerorate::hal::sim {
 ///
 /// Of banks 1 and 3 nothing is there: they read as 0, and writing to them counts as a reserved
 /// write. Not modelled: filters, different rates of the sensors, self-test, wake on motion, FSYNC,
-/// the I2C master and the magnetometer behind it, DMP, low-power cycles.
+/// the I2C master and the magnetometer behind it, DMP, low-power cycles, and with them the bits of
+/// INT_STATUS, which alone any reading may clear; writing into the FIFO.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock. Addresses for upset() have bit 7 for bank 2.

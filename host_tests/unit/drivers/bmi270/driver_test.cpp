@@ -79,7 +79,16 @@ TEST(Bmi270FifoLength, CountsFramesAndKeepsRoomForThree) {
   EXPECT_FALSE(bmi270::decode_fifo_length(0xEC, 0x07, 6).is_overrun) << "2028 bytes";
   EXPECT_TRUE(bmi270::decode_fifo_length(0xF2, 0x07, 6).is_overrun) << "2034 bytes";
   EXPECT_TRUE(bmi270::decode_fifo_length(0x00, 0x08, 6).is_plausible);
-  EXPECT_FALSE(bmi270::decode_fifo_length(0x01, 0x08, 6).is_plausible);
+  EXPECT_TRUE(bmi270::decode_fifo_length(0x00, 0x18, 6).is_overrun) << "6144 bytes";
+  EXPECT_TRUE(bmi270::decode_fifo_length(0x00, 0x18, 6).is_plausible);
+  EXPECT_FALSE(bmi270::decode_fifo_length(0x01, 0x18, 6).is_plausible);
+}
+
+TEST(Bmi270Placeholder, IsFoundByItsFirstTwoWords) {
+  EXPECT_TRUE(bmi270::is_placeholder({0x7F02, -32768, -32768}));
+  EXPECT_TRUE(bmi270::is_placeholder({0x7F02, -32768, 0}));
+  EXPECT_FALSE(bmi270::is_placeholder({0x7F01, -32768, -32768})) << "the accelerometer's";
+  EXPECT_FALSE(bmi270::is_placeholder({0x7F02, -32767, -32768}));
 }
 
 TEST(Bmi270SamplePeriod, IsThatOfTheNamedRate) {
@@ -105,6 +114,28 @@ TEST(Bmi270, ConfiguresTheRegistersThatTheDatasheetNames) {
   EXPECT_EQ(rig.chip.read_register(0x58), 0x02);  // INT_MAP_DATA: watermark
   EXPECT_EQ(rig.chip.read_register(0x7D), 0x0E);  // PWR_CTRL: both, thermometer
   EXPECT_EQ(rig.chip.sample_period(), rig.driver.sample_period());
+}
+
+TEST(Bmi270, GivesItsInterfaceTimeToBecomeSpi) {
+  Rig rig;
+  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_EQ(rig.faults.calls(), 1U) << "a reading, for chip select to rise";
+  rig.clock.advance(core::Duration::microseconds(1999));
+  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_EQ(rig.faults.calls(), 1U);
+  rig.clock.advance(core::Duration::microseconds(1));
+  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_EQ(rig.faults.calls(), 3U) << "identity and reset";
+  rig.clock.advance(core::Duration::milliseconds(10));
+  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_EQ(rig.faults.calls(), 4U) << "once more, after the reset";
+  EXPECT_TRUE(rig.start());
+}
+
+TEST(Bmi270, AsksForTheIdentityAtOnceOverI2c) {
+  I2cRig rig;
+  EXPECT_TRUE(I2cRig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_EQ(rig.faults.calls(), 2U) << "identity and reset";
 }
 
 TEST(Bmi270ConfigFile, IsLoadedAsItIs) {
@@ -149,7 +180,7 @@ TEST(Bmi270ConfigFile, TakesNoCallLongerThanAPortion) {
     longest = std::max(longest, rig.faults.calls() - before);
     rig.clock.advance(core::Duration::milliseconds(1));
   }
-  EXPECT_EQ(longest, 14U) << "two for the identity, three for each burst of 64 bytes";
+  EXPECT_EQ(longest, 13U) << "one for the identity, three for each burst of 64 bytes";
   EXPECT_TRUE(rig.chip.is_powered());
 }
 

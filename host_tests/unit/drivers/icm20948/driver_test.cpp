@@ -67,8 +67,17 @@ TEST(Icm20948Filter, EndsBelowHalfTheRate) {
   }
 }
 
+TEST(Icm20948Filter, IsOneThatTheDividerWorksWith) {
+  for (const auto& choice : icm20948::Chip::kRates) {
+    if (choice.code == OutputDataRate::hz_1125) continue;  // not divided
+    const unsigned code = icm20948::encode_filter(choice.code) >> 3U;
+    EXPECT_GT(code, 0U) << choice.value;
+    EXPECT_LT(code, 7U) << choice.value;
+  }
+}
+
 TEST(Icm20948FifoLevel, KeepsRoomForThreeSamples) {
-  EXPECT_EQ(icm20948::decode_fifo_level(0x00, 0x12).samples, 3);
+  EXPECT_EQ(icm20948::decode_fifo_level(0x00, 0x12).frames, 3);
   EXPECT_TRUE(icm20948::decode_fifo_level(0x00, 0x12).is_whole);
   EXPECT_FALSE(icm20948::decode_fifo_level(0x00, 0x12, 12).is_whole);
   EXPECT_FALSE(icm20948::decode_fifo_level(0x01, 0xEC).is_overrun) << "492 bytes";

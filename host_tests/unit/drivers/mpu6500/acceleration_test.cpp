@@ -38,7 +38,7 @@ TEST(Mpu6500AccelerationLsb, AgreesWithTheDataSheet) {
 
 TEST(Mpu6500FifoLevel, CountsSamplesOfTwelveBytes) {
   const mpu6500::Variant& chip = *mpu6500::find_variant(0x70);
-  EXPECT_EQ(mpu6500::decode_fifo_level(chip, 0x00, 0x24, 12).samples, 3);
+  EXPECT_EQ(mpu6500::decode_fifo_level(chip, 0x00, 0x24, 12).frames, 3);
   EXPECT_TRUE(mpu6500::decode_fifo_level(chip, 0x00, 0x24, 12).is_whole);
   EXPECT_FALSE(mpu6500::decode_fifo_level(chip, 0x00, 0x2A, 12).is_whole);
   EXPECT_FALSE(mpu6500::decode_fifo_level(chip, 0x01, 0xD4, 12).is_overrun) << "468 bytes";

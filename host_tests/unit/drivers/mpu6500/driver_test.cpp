@@ -57,8 +57,8 @@ TEST(Mpu6500Temperature, DependsOnTheVariant) {
 }
 
 TEST(Mpu6500FifoLevel, CountsSamplesAndWhatIsLeftOver) {
-  EXPECT_EQ(decode_fifo_level(kMpu6500, 0x00, 0x00).samples, 0);
-  EXPECT_EQ(decode_fifo_level(kMpu6500, 0x01, 0x02).samples, 43);
+  EXPECT_EQ(decode_fifo_level(kMpu6500, 0x00, 0x00).frames, 0);
+  EXPECT_EQ(decode_fifo_level(kMpu6500, 0x01, 0x02).frames, 43);
   EXPECT_TRUE(decode_fifo_level(kMpu6500, 0x01, 0x02).is_whole);
   EXPECT_FALSE(decode_fifo_level(kMpu6500, 0x00, 0x05).is_whole);
 }
@@ -105,7 +105,7 @@ TEST(Mpu6500Part, TakesItsOwnAnswerAndWhatIsSoldAsAnMpu6500) {
 
 TEST(Icm20602FifoLevel, IsInSamplesOfEightOrFourteenBytes) {
   const Variant& chip = variant_of(Part::icm20602);
-  EXPECT_EQ(decode_fifo_level(chip, 0x00, 0x18).samples, 3);
+  EXPECT_EQ(decode_fifo_level(chip, 0x00, 0x18).frames, 3);
   EXPECT_TRUE(decode_fifo_level(chip, 0x00, 0x18).is_whole);
   EXPECT_FALSE(decode_fifo_level(chip, 0x00, 0x1C).is_whole);
   EXPECT_TRUE(decode_fifo_level(chip, 0x00, 0x1C, kLongSampleBytes).is_whole);
