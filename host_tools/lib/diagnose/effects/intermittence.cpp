@@ -11,14 +11,14 @@
 namespace zerorate::diagnose {
 namespace {
 
-constexpr std::size_t kMostStretches = 24;
-constexpr std::size_t kFewestStretches = 8;
+constexpr std::size_t kMostToneStretches = 24;
+constexpr std::size_t kFewestToneStretches = 8;
 constexpr double kCyclesInAStretch = 20.0;
-constexpr double kLeastPower = 10.0;  // over that of the noise, on average
-constexpr double kShareOff = 0.25;    // of the mean power
+constexpr double kLeastTonePower = 10.0;  // over that of the noise, on average
+constexpr double kOffShareOfMean = 0.25;  // of the mean power
 constexpr double kOffOfASine = 0.05;
 constexpr double kOffOfAResonance = 0.22;
-constexpr double kChance = 1e-3;
+constexpr double kToneChance = 1e-3;
 
 /// |sum x e^(-i turn)|^2 over the number of values: the power of white noise is its variance.
 double power_at(std::span<const double> values, double turn_per_value) {
@@ -76,8 +76,8 @@ std::optional<Intermittence> find_intermittence(const std::vector<double>& value
                                                 const Tone& tone) {
   const double span_s = static_cast<double>(values.size()) * period_s;
   const auto stretches = static_cast<std::size_t>(
-      std::min<double>(kMostStretches, span_s * tone.frequency_hz / kCyclesInAStretch));
-  if (stretches < kFewestStretches) return std::nullopt;
+      std::min<double>(kMostToneStretches, span_s * tone.frequency_hz / kCyclesInAStretch));
+  if (stretches < kFewestToneStretches) return std::nullopt;
   const std::size_t length = values.size() / stretches;
   // The phase is steady within a window.
   const double window_s = 2.0 * tone.coherence_time_s.value_or(span_s);
@@ -94,9 +94,9 @@ std::optional<Intermittence> find_intermittence(const std::vector<double>& value
   for (double& power : powers) power -= noise;
   const auto count = static_cast<double>(stretches);
   const double mean = std::accumulate(powers.begin(), powers.end(), 0.0) / count;
-  if (!(mean > kLeastPower * noise)) return std::nullopt;
+  if (!(mean > kLeastTonePower * noise)) return std::nullopt;
 
-  const auto is_off = [&](double power) { return power < kShareOff * mean; };
+  const auto is_off = [&](double power) { return power < kOffShareOfMean * mean; };
   const auto off = static_cast<double>(std::ranges::count_if(powers, is_off));
   // Stretches of a phase that wanders slowly are alike.
   const double independent = tone.coherence_time_s ? std::min(count, span_s / window_s) : count;
@@ -104,7 +104,7 @@ std::optional<Intermittence> find_intermittence(const std::vector<double>& value
   const double fewest = std::floor(off / count * independent);
   if (fewest < 1.0) return std::nullopt;
   const boost::math::binomial_distribution<> chance(std::floor(independent), by_chance);
-  if (cdf(complement(chance, fewest - 1.0)) > kChance) return std::nullopt;
+  if (cdf(complement(chance, fewest - 1.0)) > kToneChance) return std::nullopt;
 
   const auto first = std::ranges::find_if_not(powers, is_off);
   const auto last = std::find_if_not(powers.rbegin(), powers.rend(), is_off);
