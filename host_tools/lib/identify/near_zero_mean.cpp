@@ -99,15 +99,6 @@ RestDoubt doubt_of(const std::string& axes, const Level& level) {
 
 }  // namespace
 
-std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_t axis) {
-  const std::optional<Level> level = near_zero(samples, axis);
-  if (!level) return std::nullopt;
-  return fmt::format(
-      "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
-      "a bias already taken out? A node needs the rates of the chip.",
-      level->mean_rad_s * kDegPerRad, level->scatter_rad_s * kDegPerRad);
-}
-
 std::vector<std::size_t> axes_without_bias(const RestSamples& samples) {
   std::vector<std::size_t> axes;
   double slow_noise = 0.0;
@@ -124,6 +115,16 @@ std::vector<std::size_t> axes_without_bias(const RestSamples& samples) {
   const bool is_held_down = axes.size() == kOfWhiteNoise.size() && slow_noise > limits.most;
   if (!is_missing && !is_held_down) axes.clear();
   return axes;
+}
+
+std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_t axis) {
+  const std::optional<Level> level = near_zero(samples, axis);
+  const std::vector<std::size_t> in_doubt = axes_without_bias(samples);
+  if (!level || std::ranges::find(in_doubt, axis) != in_doubt.end()) return std::nullopt;
+  return fmt::format(
+      "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
+      "a bias already taken out? A node needs the rates of the chip.",
+      level->mean_rad_s * kDegPerRad, level->scatter_rad_s * kDegPerRad);
 }
 
 std::vector<RestDoubt> doubts_of_bias_taken_out(const RestSamples& samples) {

@@ -14,7 +14,7 @@ namespace zerorate::identify {
 
 /// Remark on an axis whose mean is less than half the standard deviation of the means of tenths of
 /// the recording, which must not exceed 0.05 deg/s: a larger drift may cross zero. The zero-rate
-/// level of a MEMS gyro is a hundred times as large.
+/// level of a MEMS gyro is a hundred times as large. None on an axis that is in doubt.
 [[nodiscard]] std::optional<std::string> remark_on_mean(const RestSamples& samples,
                                                         std::size_t axis);
 

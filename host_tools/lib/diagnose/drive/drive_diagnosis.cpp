@@ -247,9 +247,15 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
   diagnosis.evidence = evidence_of(record, effects, selection, chosen);
   add_findings(record, diagnosis);
   add_points(record, chosen, fit, diagnosis);
-  diagnosis.verdict = is_left_unexplained(fit)   ? Verdict::unexplained
-                      : diagnosis.causes.empty() ? Verdict::consistent
-                                                 : Verdict::explained;
+  const bool are_many = chosen.size() == kMostCauses;
+  if (are_many) {
+    diagnosis.remarks.emplace_back(
+        "Three effects at once would be needed, and so many can draw the errors of most drives: "
+        "none of them is proven.");
+  }
+  diagnosis.verdict = are_many || is_left_unexplained(fit) ? Verdict::unexplained
+                      : diagnosis.causes.empty()           ? Verdict::consistent
+                                                           : Verdict::explained;
   return diagnosis;
 }
 

@@ -8,6 +8,7 @@
 
 #include "host_tools/lib/diagnose/effects/candidates.hpp"
 #include "host_tools/lib/diagnose/effects/catalogue.hpp"
+#include "host_tools/lib/diagnose/effects/intermittence.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -34,7 +35,13 @@ class PeriodicDisturbance final : public Effect {
   [[nodiscard]] Pace pace() const override { return Pace::either; }
 
   [[nodiscard]] Description describe(const FittedPart& fitted) const override {
-    return fitted.part().terms.line ? describe_wandering(fitted) : describe_sine(fitted);
+    const bool wanders = fitted.part().terms.line;
+    Description description = wanders ? describe_wandering(fitted) : describe_sine(fitted);
+    const FitData& data = fitted.hypothesis.data();
+    const auto intermittence =
+        find_intermittence(fitted.hypothesis.repaired_values(), data.period_s(), tone_of(fitted));
+    if (intermittence) add_intermittence(*intermittence, data.series().time_s(0), description);
+    return description;
   }
 
   void add_to_model(const FittedPart& fitted, model::SensorModel& model) const override {
@@ -133,6 +140,25 @@ class PeriodicDisturbance final : public Effect {
     const std::size_t centre = (window.first + window.end) / 2;
     return likeliest_of(starts, bin_coefficients(without.residual(), centre),
                         without.data().size());
+  }
+
+  static Tone tone_of(const FittedPart& fitted) {
+    if (!fitted.part().terms.line) return {.frequency_hz = fitted.part().shape.front()};
+    const FitData& data = fitted.hypothesis.data();
+    const NoiseSpectrum& noise = fitted.hypothesis.noise().spectrum;
+    return {.frequency_hz = frequency_hz(data, noise.line_angle),
+            .coherence_time_s = noise.line_samples * data.period_s()};
+  }
+
+  static void add_intermittence(const Intermittence& found, double start_s,
+                                Description& description) {
+    const double amplitude = found.amplitude_rad_s * kDegPerRad;
+    description.parameters.push_back({"time_share", found.share, found.share_lo, found.share_hi});
+    description.sentence += fmt::format(
+        " It is intermittent: of {:.2g} deg/s, in {:.0f} % of the time [{:.0f}, {:.0f}], between "
+        "{:.0f} and {:.0f} s. A model has it at all times.",
+        amplitude, 100.0 * found.share, 100.0 * found.share_lo, 100.0 * found.share_hi,
+        start_s + found.from_s, start_s + found.to_s);
   }
 
   static double frequency_hz(const FitData& data, double angle) {
