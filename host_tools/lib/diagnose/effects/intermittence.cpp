@@ -11,6 +11,8 @@
 namespace zerorate::diagnose {
 namespace {
 
+using Share = boost::math::binomial_distribution<>;
+
 constexpr std::size_t kMostToneStretches = 24;
 constexpr std::size_t kFewestToneStretches = 8;
 constexpr double kCyclesInAStretch = 20.0;
@@ -56,18 +58,48 @@ double power_beside(std::span<const double> stretch, std::size_t window, double 
   return count > 0 ? sum / count : 0.0;
 }
 
-struct Interval95 {
-  double lo;
-  double hi;
+/// Power of a tone in stretches of equal length, without that of the noise around it.
+struct StretchPowers {
+  std::size_t length = 0;  ///< values in a stretch
+  std::size_t window = 0;  ///< values within which the phase is steady
+  std::vector<double> powers;
+  double noise = 0.0;
+
+  [[nodiscard]] double mean() const {
+    return std::accumulate(powers.begin(), powers.end(), 0.0) / static_cast<double>(powers.size());
+  }
 };
 
-/// Wilson's interval of a share.
-Interval95 share_interval(double share, double count) {
-  constexpr double kZ = 1.959964;
-  const double z2 = kZ * kZ / count;
-  const double centre = (share + 0.5 * z2) / (1.0 + z2);
-  const double half = kZ * std::sqrt((share * (1.0 - share) + 0.25 * z2) / count) / (1.0 + z2);
-  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+StretchPowers measure(const std::vector<double>& values, double period_s, const Tone& tone,
+                      std::size_t stretches) {
+  constexpr std::size_t kShortestWindow = 32;
+  StretchPowers measured{.length = values.size() / stretches};
+  const double window_s = 2.0 * tone.coherence_time_s.value_or(HUGE_VAL);
+  const double length = static_cast<double>(measured.length);
+  measured.window =
+      std::max(kShortestWindow, static_cast<std::size_t>(std::min(length, window_s / period_s)));
+  if (measured.window > measured.length) return measured;
+  const double turn = 2.0 * std::numbers::pi * tone.frequency_hz * period_s;
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const auto stretch = std::span(values).subspan(s * measured.length, measured.length);
+    measured.powers.push_back(power_in(stretch, measured.window, turn));
+    measured.noise += power_beside(stretch, measured.window, turn) / static_cast<double>(stretches);
+  }
+  for (double& power : measured.powers) power -= measured.noise;
+  return measured;
+}
+
+/// Whether so many of all stretches without a tone that is there at all times are no surprise.
+/// Stretches of a phase that wanders slowly are alike, and count as fewer.
+bool is_chance(double off, double stretches, double span_s, const Tone& tone) {
+  const double independent = tone.coherence_time_s
+                                 ? std::min(stretches, 0.5 * span_s / *tone.coherence_time_s)
+                                 : stretches;
+  const double fewest = std::floor(off / stretches * independent);
+  if (fewest < 1.0) return true;
+  const Share chance(std::floor(independent),
+                     tone.coherence_time_s ? kOffOfAResonance : kOffOfASine);
+  return cdf(complement(chance, fewest - 1.0)) > kToneChance;
 }
 
 }  // namespace
@@ -78,46 +110,27 @@ std::optional<Intermittence> find_intermittence(const std::vector<double>& value
   const auto stretches = static_cast<std::size_t>(
       std::min<double>(kMostToneStretches, span_s * tone.frequency_hz / kCyclesInAStretch));
   if (stretches < kFewestToneStretches) return std::nullopt;
-  const std::size_t length = values.size() / stretches;
-  // The phase is steady within a window.
-  const double window_s = 2.0 * tone.coherence_time_s.value_or(span_s);
-  const auto window =
-      std::clamp(static_cast<std::size_t>(window_s / period_s), std::size_t{32}, length);
-  const double turn = 2.0 * std::numbers::pi * tone.frequency_hz * period_s;
-  std::vector<double> powers;
-  double noise = 0.0;
-  for (std::size_t s = 0; s < stretches; ++s) {
-    const auto stretch = std::span(values).subspan(s * length, length);
-    powers.push_back(power_in(stretch, window, turn));
-    noise += power_beside(stretch, window, turn) / static_cast<double>(stretches);
-  }
-  for (double& power : powers) power -= noise;
+  const StretchPowers measured = measure(values, period_s, tone, stretches);
+  const std::vector<double>& powers = measured.powers;
+  if (powers.empty() || !(measured.mean() > kLeastTonePower * measured.noise)) return std::nullopt;
+
+  const double least = kOffShareOfMean * measured.mean();
+  const auto is_on = [&](double power) { return power >= least; };
   const auto count = static_cast<double>(stretches);
-  const double mean = std::accumulate(powers.begin(), powers.end(), 0.0) / count;
-  if (!(mean > kLeastTonePower * noise)) return std::nullopt;
+  const auto on = static_cast<double>(std::ranges::count_if(powers, is_on));
+  if (is_chance(count - on, count, span_s, tone)) return std::nullopt;
 
-  const auto is_off = [&](double power) { return power < kOffShareOfMean * mean; };
-  const auto off = static_cast<double>(std::ranges::count_if(powers, is_off));
-  // Stretches of a phase that wanders slowly are alike.
-  const double independent = tone.coherence_time_s ? std::min(count, span_s / window_s) : count;
-  const double by_chance = tone.coherence_time_s ? kOffOfAResonance : kOffOfASine;
-  const double fewest = std::floor(off / count * independent);
-  if (fewest < 1.0) return std::nullopt;
-  const boost::math::binomial_distribution<> chance(std::floor(independent), by_chance);
-  if (cdf(complement(chance, fewest - 1.0)) > kToneChance) return std::nullopt;
-
-  const auto first = std::ranges::find_if_not(powers, is_off);
-  const auto last = std::find_if_not(powers.rbegin(), powers.rend(), is_off);
-  double on = 0.0;
-  for (const double power : powers) on += is_off(power) ? 0.0 : power;
-  const double share = 1.0 - off / count;
-  const Interval95 interval = share_interval(share, count);
-  const double stretch_s = static_cast<double>(length) * period_s;
+  constexpr double kTail = 0.025;
+  const auto first = std::ranges::find_if(powers, is_on);
+  const auto last = std::find_if(powers.rbegin(), powers.rend(), is_on);
+  double sum = 0.0;
+  for (const double power : powers) sum += is_on(power) ? power : 0.0;
+  const double stretch_s = static_cast<double>(measured.length) * period_s;
   return Intermittence{
-      .share = share,
-      .share_lo = interval.lo,
-      .share_hi = interval.hi,
-      .amplitude_rad_s = 2.0 * std::sqrt(on / (count - off) / static_cast<double>(window)),
+      .share = on / count,
+      .share_lo = Share::find_lower_bound_on_p(count, on, kTail),
+      .share_hi = Share::find_upper_bound_on_p(count, on, kTail),
+      .amplitude_rad_s = 2.0 * std::sqrt(sum / on / static_cast<double>(measured.window)),
       .from_s = stretch_s * static_cast<double>(first - powers.begin()),
       .to_s = stretch_s * static_cast<double>(powers.rend() - last)};
 }

@@ -17,7 +17,7 @@ struct Tone {
 struct Intermittence {
   double share = 0.0;  ///< of stretches in which the tone is there
   double share_lo = 0.0;
-  double share_hi = 0.0;         ///< 95 % interval (Wilson 1927)
+  double share_hi = 0.0;         ///< 95 % interval (Clopper and Pearson 1934)
   double amplitude_rad_s = 0.0;  ///< while it is there
   double from_s = 0.0;           ///< beginning of the first stretch with it, in the series
   double to_s = 0.0;             ///< end of the last one
