@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include "host_tools/lib/random/random_stream.hpp"
 
@@ -41,7 +42,7 @@ TEST(ToneForAThirdOfTheTime, HasItsShareAndItsSize) {
   EXPECT_NEAR(found->to_s, 800.0, 50.0);
 }
 
-// As the fit describes such a tone: a line of finite width.
+// A fit may describe such a tone by a line of finite width.
 TEST(ToneForAThirdOfTheTime, IsFoundByItsWidthToo) {
   const std::vector<double> values = sine_between(400.0, 800.0, 0.3, 42);
   const auto found =
