@@ -83,7 +83,8 @@ TEST(Resonance, IsNotIntermittent) {
                                {.frequency_hz = kTone_hz, .coherence_time_s = kCoherence_s})
                 .has_value();
   }
-  EXPECT_LE(told, 1);  // of 50, with a chance of 0.001 each: two are seen in one test of 800
+  // With a chance of 0.001 each, two of 50 are seen in one test of 800.
+  EXPECT_LE(told, 1);
 }
 
 TEST(NoTone, IsNotIntermittent) {
