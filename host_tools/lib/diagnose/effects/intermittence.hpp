@@ -24,9 +24,9 @@ struct Intermittence {
 };
 
 /// Looks at the power of a tone in 8 to 24 stretches of equal length, beside that at frequencies
-/// around it. Nothing where the tone is too weak or the recording too short to tell, or where as many
-/// stretches without it would be no surprise: a steady sine has less than a quarter of the mean
-/// power in 5 % of them, a resonance, whose power has an exponential law, in 22 %. O(n).
+/// around it. Nothing where the tone is too weak or the recording too short to tell, or where as
+/// many stretches without it would be no surprise: a steady sine has less than a quarter of the
+/// mean power in 5 % of them, a resonance, whose power has an exponential law, in 22 %. O(n).
 /// @param values  one a period [rad/s]
 [[nodiscard]] std::optional<Intermittence> find_intermittence(const std::vector<double>& values,
                                                               double period_s, const Tone& tone);
