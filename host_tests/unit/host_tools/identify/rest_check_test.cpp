@@ -131,8 +131,9 @@ TEST(GyroWithoutABias, IsInNoDoubtWhereItsNoiseIsWhite) {
   }
 }
 
+// Within a two-hundredth of the recording, so that slow noise is missing.
 TEST(GyroWhoseBiasWasTakenOut, IsTold) {
-  for (const std::size_t block : {100U, 500U, 2'000U}) {
+  for (const std::size_t block : {25U, 50U, 100U}) {
     RestSamples rest = samples([](double t) { return 0.01 * std::sin(0.05 * t); });
     for (std::size_t axis = 0; axis < 3; ++axis) take_off_means(rest, axis, block);
     EXPECT_THAT(sentences(rest, true), IsEmpty());
@@ -143,7 +144,7 @@ TEST(GyroWhoseBiasWasTakenOut, IsTold) {
 }
 
 TEST(GyroWithAHighPass, IsToldWithItsAxis) {
-  for (const double time_constant : {50.0, 400.0, 1'500.0}) {
+  for (const double time_constant : {20.0, 40.0, 80.0}) {
     RestSamples rest = samples([](double) { return 0.0; });
     high_pass(rest, 1, time_constant);
     EXPECT_THAT(sentences(rest, false), ElementsAre(HasSubstr("the mean of axis y is")))
