@@ -88,6 +88,30 @@ struct Limits {
 };
 constexpr std::array kOfWhiteNoise{Limits{0.38, 2.31}, Limits{0.52, 1.84}, Limits{0.60, 1.67}};
 
+struct AxisLevel {
+  std::size_t axis = 0;
+  Level level;
+};
+
+/// Axes whose bias was taken out, with their levels.
+std::vector<AxisLevel> levels_without_bias(const RestSamples& samples) {
+  std::vector<AxisLevel> levels;
+  double slow_noise = 0.0;
+  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+    const std::optional<Level> level = near_zero(samples, axis);
+    if (!level) continue;
+    levels.push_back({axis, *level});
+    slow_noise += level->slow_noise;
+  }
+  if (levels.empty()) return levels;
+  slow_noise /= static_cast<double>(levels.size());
+  const Limits limits = kOfWhiteNoise.at(levels.size() - 1);
+  const bool is_missing = slow_noise < limits.least;
+  const bool is_held_down = levels.size() == kOfWhiteNoise.size() && slow_noise > limits.most;
+  if (!is_missing && !is_held_down) levels.clear();
+  return levels;
+}
+
 RestDoubt doubt_of(const std::string& axes, const Level& level) {
   return {doubt::kBias,
           fmt::format("the mean of {} is {:.2g} deg/s, and means of tenths of the recording "
@@ -101,19 +125,7 @@ RestDoubt doubt_of(const std::string& axes, const Level& level) {
 
 std::vector<std::size_t> axes_without_bias(const RestSamples& samples) {
   std::vector<std::size_t> axes;
-  double slow_noise = 0.0;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    const std::optional<Level> level = near_zero(samples, axis);
-    if (!level) continue;
-    axes.push_back(axis);
-    slow_noise += level->slow_noise;
-  }
-  if (axes.empty()) return axes;
-  slow_noise /= static_cast<double>(axes.size());
-  const Limits limits = kOfWhiteNoise.at(axes.size() - 1);
-  const bool is_missing = slow_noise < limits.least;
-  const bool is_held_down = axes.size() == kOfWhiteNoise.size() && slow_noise > limits.most;
-  if (!is_missing && !is_held_down) axes.clear();
+  for (const AxisLevel& one : levels_without_bias(samples)) axes.push_back(one.axis);
   return axes;
 }
 
@@ -128,16 +140,18 @@ std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_
 }
 
 std::vector<RestDoubt> doubts_of_bias_taken_out(const RestSamples& samples) {
-  std::vector<RestDoubt> doubts;
-  std::optional<Level> largest;
-  for (const std::size_t axis : axes_without_bias(samples)) {
-    const std::optional<Level> level = near_zero(samples, axis);
-    if (!largest || std::abs(level->mean_rad_s) > std::abs(largest->mean_rad_s)) largest = level;
-    doubts.push_back(doubt_of("axis " + samples.axis_name(axis), *level));
-    doubts.back().axis = axis;
+  const std::vector<AxisLevel> levels = levels_without_bias(samples);
+  if (levels.size() == samples.axis_count && samples.axis_count > 1) {
+    const auto size = [](const AxisLevel& one) { return std::abs(one.level.mean_rad_s); };
+    return {doubt_of("every axis is near zero, the largest",
+                     std::ranges::max_element(levels, {}, size)->level)};
   }
-  if (doubts.size() < samples.axis_count || samples.axis_count == 1) return doubts;
-  return {doubt_of("every axis is near zero, the largest", *largest)};
+  std::vector<RestDoubt> doubts;
+  for (const AxisLevel& one : levels) {
+    doubts.push_back(doubt_of("axis " + samples.axis_name(one.axis), one.level));
+    doubts.back().axis = one.axis;
+  }
+  return doubts;
 }
 
 }  // namespace zerorate::identify
