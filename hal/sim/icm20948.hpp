@@ -22,7 +22,7 @@ namespace zerorate::hal::sim {
 /// its reset, temperature, INT1 pulsed or latched, high or low. An acceleration cannot be lost:
 /// each sample has both sensors.
 ///
-/// Of banks 1 and 3 nothing is there: they read as 0, and writing to them counts as a reserved
+/// Banks 1 and 3 are empty: they read as 0, and writing to them counts as a reserved
 /// write. Not modelled: filters, different rates of the sensors, self-test, wake on motion, FSYNC,
 /// the I2C master and the magnetometer behind it, DMP, low-power cycles, and with them the bits of
 /// INT_STATUS, which alone any reading may clear; writing into the FIFO.

@@ -126,8 +126,7 @@ constexpr double kOverChance = 4.0;
 constexpr double kMostOfOneValue = 0.2;  // share of the repetitions
 constexpr double kNear = 0.05;           // share of the differences that count as about zero
 constexpr double kCoarse = 0.25;         // largest step of a level over the middle difference
-constexpr double kRounding =
-    1e-5;  // share of the middle difference: one number in single precision
+constexpr double kRounding = 1e-5;       // share of the middle difference, by single precision
 
 /// Differences of neighbours that differ, without sign, ascending.
 std::vector<double> differences_of(const std::vector<double>& rates) {
