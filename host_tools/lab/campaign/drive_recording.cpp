@@ -55,6 +55,7 @@ class ScratchFile {
   std::filesystem::path path_;
 };
 
+/// Whole drives, by whose errors the size of an effect is stated.
 DriveRecord record_of(const Hour& hour) {
   const ScratchFile file;
   write_drive(hour.drive, file.path());
@@ -63,7 +64,8 @@ DriveRecord record_of(const Hour& hour) {
   const truth::Track track = truth::read_track(reader);
   truth::Truth truth = truth::find_truth(track, {.vertical = truth::VerticalAxis{}});
   for (truth::Drive& drive : truth.drives) drive.flaw = truth::Flaw::none;
-  return diagnose::read_drive_record(input, track, truth, model::find_model("lsm6dso"));
+  return diagnose::whole_drives(
+      diagnose::read_drive_record(input, track, truth, model::find_model("lsm6dso")));
 }
 
 Hour hour_with(std::uint64_t seed, HourOptions options, const std::vector<Sized>& hidden) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "host_tools/lib/truth/delayed.hpp"
 #include "host_tools/lib/truth/heading_jumps.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -89,6 +90,7 @@ Series with_whole_turns(const Track& track, const VerticalAxis& vertical) {
 
 void find_drives(const Track& track, Truth& truth) {
   truth.heading_rad = with_whole_turns(track, truth.vertical);
+  truth.drives.clear();
   const Series& heading = truth.heading_rad;
   const std::int64_t longest_ns = heading.longest_interval_ns();
   const HeadingJumps jumps{track, heading, truth.vertical};
@@ -118,7 +120,36 @@ void find_drives(const Track& track, Truth& truth) {
   }
 }
 
+/// The headings at the times of which they tell, and the gyro's turns at these times.
+Track earlier(const Track& track, std::int64_t delay_ns) {
+  const Series& heading = track.heading_rad;
+  Track moved{.axis_count = track.axis_count, .speed_m_s = track.speed_m_s};
+  for (std::size_t k = 0; k < heading.size(); ++k) {
+    const std::int64_t at_ns = heading.time_ns(k) - delay_ns;
+    const std::size_t next = heading.first_from(at_ns);
+    if (next == 0 || next == heading.size()) continue;  // before or behind the gyro's turns
+    const double weight = units::seconds(at_ns - heading.time_ns(next - 1)) /
+                          units::seconds(heading.time_ns(next) - heading.time_ns(next - 1));
+    auto turned_rad = track.turned_rad[next];
+    for (std::size_t axis = 0; axis < turned_rad.size(); ++axis) {
+      turned_rad[axis] = std::lerp(track.turned_rad[next - 1][axis], turned_rad[axis], weight);
+    }
+    moved.heading_rad.add(at_ns, heading.value(k));
+    moved.turned_rad.push_back(turned_rad);
+  }
+  return moved;
+}
+
 }  // namespace
+
+Truth without_delay(Truth truth, const Track& track, std::int64_t delay_ns) {
+  const Track moved = earlier(track, delay_ns);
+  const bool is_estimated = truth.reference_error_rad == truth.error_at_stops_rad;
+  truth.error_at_stops_rad = error_at_stops(moved.heading_rad, truth.stops);
+  if (is_estimated) truth.reference_error_rad = truth.error_at_stops_rad;
+  find_drives(moved, truth);
+  return truth;
+}
 
 VerticalAxis parse_vertical_axis(std::string_view text) {
   const bool is_signed = text.starts_with('-') || text.starts_with('+');

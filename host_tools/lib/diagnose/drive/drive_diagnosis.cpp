@@ -25,14 +25,16 @@ double rms_of(const Eigen::VectorXd& values) {
 
 MotionFinding finding_of(const DriveRecord& record, const std::vector<MotionChoice>& choices,
                          std::size_t which, const DriveFit& fit) {
-  MotionFinding finding{
-      .record = &record, .variant = choices[which].variant, .freedom = fit.freedom};
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < which; ++i) first += choices[i].variant.share.columns.cols();
-  for (Eigen::Index k = first; k < first + choices[which].variant.share.columns.cols(); ++k) {
+  const Eigen::Index columns = choices[which].variant.share.columns.cols();
+  const double share = columns > 0 ? fit.share_of_drives.segment(first, columns).mean() : 1.0;
+  MotionFinding finding{
+      .record = &record, .variant = choices[which].variant, .freedom = fit.freedom(share)};
+  for (Eigen::Index k = first; k < first + columns; ++k) {
     const double sigma = std::sqrt(fit.covariance(k, k));
     finding.coefficients.push_back(
-        {fit.coefficients[k], student_half_width95(fit.freedom) * sigma, sigma});
+        {fit.coefficients[k], student_half_width95(finding.freedom) * sigma, sigma});
   }
   return finding;
 }
@@ -130,7 +132,7 @@ void add_findings(const DriveRecord& record, DriveDiagnosis& diagnosis) {
 
 void add_points(const DriveRecord& record, const std::vector<MotionChoice>& chosen,
                 const DriveFit& fit, DriveDiagnosis& diagnosis) {
-  const Share share = joint_share(chosen, record.size());
+  const Share share = joint_share(chosen, record);
   Eigen::VectorXd by_causes = share.known;
   if (share.columns.cols() > 0) by_causes += share.columns * fit.coefficients;
   const Eigen::MatrixXd covariance = record.covariance();
@@ -145,9 +147,10 @@ void add_points(const DriveRecord& record, const std::vector<MotionChoice>& chos
                                 .share_rad = by_causes[row],
                                 .sigma_rad = std::sqrt(covariance(row, row))});
   }
-  diagnosis.rms_rad = rms_of(record.errors());
-  diagnosis.rms_left_rad = rms_of(record.errors() - by_causes);
-  diagnosis.scatter = std::sqrt(fit.factor());
+  const auto drives = static_cast<Eigen::Index>(record.size());
+  diagnosis.rms_rad = rms_of(record.errors().head(drives));
+  diagnosis.rms_left_rad = rms_of((record.errors() - by_causes).head(drives));
+  diagnosis.scatter = std::sqrt(fit.drives.factor());
 }
 
 /// Takes causes out with which the heading of the drives held out errs by more, certainly: those of
@@ -172,19 +175,19 @@ void drop_contradicted(const DriveRecord& record, std::vector<MotionChoice>& cho
 /// Whether more is left than noise and bias let expect, with a probability below 1 in 1000.
 bool is_left_unexplained(const DriveFit& fit) {
   constexpr double kRare = 1e-3;
-  return statistics::chi_squared_tail(fit.residual, fit.freedom) < kRare;
+  return statistics::chi_squared_tail(fit.drives.squares, fit.drives.freedom) < kRare;
 }
 
 /// Error of the reference on each way with which what is left is as large as expected.
 double way_sigma_by_scatter(const DriveRecord& record, const std::vector<MotionChoice>& chosen) {
-  const Share share = joint_share(chosen, record.size());
+  const Share share = joint_share(chosen, record);
   DriveRecord trial = record;
   double lo = 0.0;
   double hi = 2.0 * kLargestWaySigma_rad;
   constexpr int kHalvings = 30;
   for (int i = 0; i < kHalvings; ++i) {
     trial.way_sigma_rad = 0.5 * (lo + hi);
-    const bool is_too_small = DriveRegression(trial).fit(share).factor() > 1.0;
+    const bool is_too_small = DriveRegression(trial).fit(share).drives.factor() > 1.0;
     (is_too_small ? lo : hi) = trial.way_sigma_rad;
   }
   return hi;

@@ -46,12 +46,12 @@ std::vector<Fold> folds_of(std::size_t drives) {
 /// @param tolerance of the scale factor in the variance before
 std::vector<HeldOut> hold_out(const DriveRecord& record, const std::vector<MotionChoice>& choices,
                               double tolerance) {
-  const Share share = joint_share(choices, record.size());
+  const Share share = joint_share(choices, record);
   const Eigen::MatrixXd covariance = record.covariance();
   std::vector<HeldOut> all;
   for (const Fold& fold : folds_of(record.size())) {
-    const DriveFit fit =
-        DriveRegression(picked(record, fold.fitted)).fit(picked(share, fold.fitted));
+    const DriveFit fit = DriveRegression(picked(record, fold.fitted))
+                             .fit(picked(share, record.rows_of(fold.fitted)));
     for (const std::size_t k : fold.scored) {
       const auto row = static_cast<Eigen::Index>(k);
       const DriveEvidence& drive = record.drives[k];

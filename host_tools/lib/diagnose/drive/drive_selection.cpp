@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -26,43 +27,37 @@ double occam_nats(const DriveFit& fit, const Eigen::VectorXd& prior_sigma) {
   return -0.5 * std::log(ratio) - 0.5 * coefficients.dot(both.inverse() * coefficients);
 }
 
-Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<std::size_t>& places) {
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(places.size()), matrix.cols());
-  for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      rows(static_cast<Eigen::Index>(i), column) =
-          matrix(static_cast<Eigen::Index>(places[i]), column);
-    }
-  }
-  return rows;
-}
-
 /// Log likelihood that a variant gains: by the errors of the heading and by what is measured beside
 /// them, unless the errors contradict it.
 double joint_gain(double by_errors_nats, const Variant& variant) {
   return by_errors_nats > -kAlternativeNats ? by_errors_nats + variant.own_nats : by_errors_nats;
 }
 
+/// log P of a gain by chance, with its sign turned.
+/// @param variants that the fit has last and that gained it
+double surprisal_of(std::span<const Variant> variants, double gain_nats,
+                    const DriveRegression& regression, const DriveFit& fit) {
+  Eigen::Index columns = 0;
+  double share = 0.0;  // of the information, by the drives
+  for (const Variant& variant : variants) columns += variant.share.columns.cols();
+  if (columns > 0) {
+    share = fit.share_of_drives.tail(columns).mean();
+  } else {
+    share = regression.share_of_drives(variants.front().share.known, fit);
+  }
+  return surprisal_of_drives(gain_nats,
+                             static_cast<std::size_t>(std::max<Eigen::Index>(1, columns)),
+                             fit.freedom(share), fit.size(share));
+}
+
 }  // namespace
 
-DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& places) {
-  DriveRecord some = record;
-  some.drives.clear();
-  some.number.clear();
-  for (const std::size_t place : places) {
-    some.drives.push_back(record.drives[place]);
-    some.number.push_back(record.number[place]);
-  }
-  some.bias_rad2 = rows_of(rows_of(record.bias_rad2, places).transpose(), places);
-  return some;
+Share picked(const Share& share, const std::vector<std::size_t>& rows) {
+  return {.columns = picked_rows(share.columns, rows), .known = picked_rows(share.known, rows)};
 }
 
-Share picked(const Share& share, const std::vector<std::size_t>& places) {
-  return {.columns = rows_of(share.columns, places), .known = rows_of(share.known, places)};
-}
-
-Share joint_share(const std::vector<MotionChoice>& choices, std::size_t drives) {
-  const auto rows = static_cast<Eigen::Index>(drives);
+Share joint_share(const std::vector<MotionChoice>& choices, const DriveRecord& record) {
+  const auto rows = static_cast<Eigen::Index>(record.rows());
   Share joint{.columns = Eigen::MatrixXd(rows, 0), .known = Eigen::VectorXd::Zero(rows)};
   for (const MotionChoice& choice : choices) {
     const Share& share = choice.variant.share;
@@ -85,7 +80,7 @@ MotionSelection::MotionSelection(const DriveRecord& record,
     : record_(record), effects_(effects), regression_(record) {}
 
 DriveFit MotionSelection::fit(const std::vector<MotionChoice>& choices) const {
-  return regression_.fit(joint_share(choices, record_.size()));
+  return regression_.fit(joint_share(choices, record_));
 }
 
 MotionChoice MotionSelection::weighed(const MotionEffect& effect, const Variant& variant,
@@ -95,11 +90,8 @@ MotionChoice MotionSelection::weighed(const MotionEffect& effect, const Variant&
   std::vector<MotionChoice> all = others;
   all.push_back(choice);
   const DriveFit with = fit(all);
-  choice.gain_nats = joint_gain(regression_.gain(fit(others), with), variant);
-  const auto parameters =
-      std::max<std::size_t>(1, static_cast<std::size_t>(variant.prior_sigma.size()));
-  const double surprisal =
-      surprisal_of_drives(choice.gain_nats, parameters, with.freedom, record_.size());
+  choice.gain_nats = joint_gain(DriveRegression::gain(fit(others), with), variant);
+  const double surprisal = surprisal_of({&variant, 1}, choice.gain_nats, regression_, with);
   choice.surprisal_nats = std::max(0.0, surprisal - std::log(static_cast<double>(variants)));
   choice.evidence_nats = choice.gain_nats + occam_nats(with, variant.prior_sigma);
   return choice;
@@ -127,21 +119,21 @@ bool MotionSelection::rests_on_many_drives(const MotionChoice& choice,
                                            const std::vector<MotionChoice>& others) const {
   std::vector<MotionChoice> all = others;
   all.push_back(choice);
-  const Share with = joint_share(all, record_.size());
-  const Share without = joint_share(others, record_.size());
+  const Share with = joint_share(all, record_);
+  const Share without = joint_share(others, record_);
   for (std::size_t left_out = 0; left_out < record_.size(); ++left_out) {
     std::vector<std::size_t> places;
     for (std::size_t k = 0; k < record_.size(); ++k) {
       if (k != left_out) places.push_back(k);
     }
+    const std::vector<std::size_t> rows = record_.rows_of(places);
     const DriveRegression regression{picked(record_, places)};
-    const DriveFit fit = regression.fit(picked(with, places));
-    const double gain =
-        joint_gain(regression.gain(regression.fit(picked(without, places)), fit), choice.variant);
-    const auto parameters =
-        std::max<std::size_t>(1, static_cast<std::size_t>(choice.variant.prior_sigma.size()));
-    if (surprisal_of_drives(gain, parameters, fit.freedom, places.size()) <
-        0.5 * kDriveThreshold_nats) {
+    const DriveFit fit = regression.fit(picked(with, rows));
+    const double gain = joint_gain(
+        DriveRegression::gain(regression.fit(picked(without, rows)), fit), choice.variant);
+    Variant variant = choice.variant;
+    variant.share = picked(variant.share, rows);
+    if (surprisal_of({&variant, 1}, gain, regression, fit) < 0.5 * kDriveThreshold_nats) {
       return false;
     }
   }
@@ -188,13 +180,10 @@ double MotionSelection::surprisal_of_pair(const MotionChoice& one, const MotionC
   all.push_back(other);
   const DriveFit with = fit(all);
   const double gain =
-      joint_gain(joint_gain(regression_.gain(fit(others), with), one.variant), other.variant);
-  const auto parameters = static_cast<std::size_t>(one.variant.share.columns.cols() +
-                                                   other.variant.share.columns.cols());
+      joint_gain(joint_gain(DriveRegression::gain(fit(others), with), one.variant), other.variant);
   const auto effects = static_cast<double>(effects_.size());
-  return surprisal_of_drives(gain, std::max<std::size_t>(1, parameters), with.freedom,
-                             record_.size()) -
-         std::log(0.5 * effects * (effects - 1.0));
+  const std::array both{one.variant, other.variant};
+  return surprisal_of(both, gain, regression_, with) - std::log(0.5 * effects * (effects - 1.0));
 }
 
 bool MotionSelection::is_reached(const std::vector<MotionChoice>& set) const {

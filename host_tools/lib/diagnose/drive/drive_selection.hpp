@@ -66,13 +66,12 @@ class MotionSelection {
   DriveRegression regression_;
 };
 
-/// Some drives of a record, by their places in increasing order.
-[[nodiscard]] DriveRecord picked(const DriveRecord& record, const std::vector<std::size_t>& places);
-/// Their shares.
-[[nodiscard]] Share picked(const Share& share, const std::vector<std::size_t>& places);
+/// Shares of some rows.
+[[nodiscard]] Share picked(const Share& share, const std::vector<std::size_t>& rows);
 
 /// Shares of all choices side by side.
-[[nodiscard]] Share joint_share(const std::vector<MotionChoice>& choices, std::size_t drives);
+[[nodiscard]] Share joint_share(const std::vector<MotionChoice>& choices,
+                                const DriveRecord& record);
 
 /// The choices without one of them.
 [[nodiscard]] std::vector<MotionChoice> without(const std::vector<MotionChoice>& choices,

@@ -1,18 +1,16 @@
 /// @file
-/// Evidence of drives between true stops: errors of the heading with their variance, and what may
-/// have caused them.
+/// Evidence of drives between true stops, collected in a replay.
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/diagnose/drive/bias_process.hpp"
+#include "host_tools/lib/diagnose/drive/drive_record.hpp"
 #include "host_tools/lib/diagnose/drive/trace_effect.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/evaluate/true_drives.hpp"
@@ -21,45 +19,6 @@
 #include "host_tools/lib/truth/truth.hpp"
 
 namespace zerorate::diagnose {
-
-/// One drive. The bias and what its inputs are at rest are taken off: they are interpolated between
-/// the measurements at all stops.
-struct DriveEvidence {
-  double departure_s = 0.0;
-  double length_s = 0.0;
-  /// Turn about the vertical axis less that of the reference, of which an axis misses a small share
-  double error_rad = 0.0;
-  double turn_rad = 0.0;  ///< turn of the reference
-  double path_rad = 0.0;  ///< sum of the sizes of its parts
-  double moving_s = 0.0;
-  double metres = 0.0;
-  std::array<double, 3> turned_rad{};  ///< turns about x, y and z of the sensor
-  /// Integral of the specific force less that at rest, x, y and z [g s]
-  std::array<double, 3> force_g_s{};
-  double vibration_g2_s = 0.0;  ///< integral of the vibration less that at rest
-};
-
-struct DriveRecord {
-  truth::VerticalAxis vertical;
-  std::size_t axis_count = 3;
-  bool has_acceleration = false;
-  double reference_sigma_rad = 0.0;  ///< standard deviation of a heading of the reference
-  double way_sigma_rad = 0.0;  ///< standard deviation of what the reference errs by on each way
-  std::vector<DriveEvidence> drives;
-  std::vector<std::size_t> number;  ///< number of each drive, of which flawed ones are left out
-  /// Covariance of the errors by noise and by the bias between its measurements [rad^2]
-  Eigen::MatrixXd bias_rad2;
-  std::size_t left_out = 0;            ///< drives with a flaw, or spoilt by a finding
-  std::vector<TraceFinding> findings;  ///< found in the rows and in the reference of single drives
-  std::string obstacle;                ///< reason why there are no drives; empty if there are
-
-  [[nodiscard]] std::size_t size() const { return drives.size(); }
-  /// Errors of all drives [rad].
-  [[nodiscard]] Eigen::VectorXd errors() const;
-  /// Covariance of the errors but for a factor. Drives share the measurements of the bias, and
-  /// neighbours the reference's heading at a stop.
-  [[nodiscard]] Eigen::MatrixXd covariance() const;
-};
 
 /// Collects the evidence of drives while a recording is replayed.
 class EvidenceCollector {
@@ -74,23 +33,41 @@ class EvidenceCollector {
                                    std::vector<TraceFinding> findings) const;
 
  private:
-  /// Sums over a drive, or over a part of a stop.
+  /// Sums over a window, or over a part of a stop.
   struct Stretch {
     Span span;
     DriveEvidence sums;
   };
+  /// A drive in windows.
+  struct Way {
+    std::vector<std::int64_t> cuts_ns;  ///< times between the windows
+    std::vector<Stretch> windows;       ///< one more
+    std::size_t newest = 0;
+  };
 
+  /// Straight moments of a drive.
+  [[nodiscard]] std::vector<std::int64_t> cuts_of(const truth::Drive& drive) const;
+  [[nodiscard]] static Stretch& window_at(std::int64_t time_ns, Way& way);
   [[nodiscard]] Stretch& part_of_stop(double time_s, double elapsed_s);
   void add_to_way(const evaluate::ReplayedSample& sample, double elapsed_s,
                   DriveEvidence& way) const;
+  /// Turns of the reference in all windows of a drive; none where a heading is missing.
+  [[nodiscard]] std::vector<double> turns_of(const truth::Drive& drive,
+                                             const std::vector<std::int64_t>& cuts_ns) const;
+  /// Windows with what the reference measured; one, the whole drive, where it or the rows have a
+  /// gap.
+  [[nodiscard]] std::vector<Stretch> windows_of(const truth::Drive& drive, const Way& way) const;
 
-  /// Takes what is alike at rest off the sums of the drives.
-  void take_rest_off(const BiasProcess& process, const std::vector<Span>& drives,
-                     DriveRecord& record) const;
+  /// Takes what is alike at rest off the sums of windows.
+  /// @return covariance of their errors by noise and bias
+  [[nodiscard]] Eigen::MatrixXd take_rest_off(const BiasProcess& process,
+                                              const std::vector<Stretch>& rests,
+                                              std::vector<Stretch>& windows) const;
 
   const truth::Track& track_;
   const truth::Truth& truth_;
-  std::vector<Stretch> ways_;
+  std::int64_t longest_speed_ns_;
+  std::vector<Way> ways_;
   std::vector<Stretch> rests_;
   std::size_t next_ = 0;
   std::size_t stop_of_newest_rest_ = 0;  ///< number of the drive after it
@@ -99,10 +76,11 @@ class EvidenceCollector {
 };
 
 /// Replays a recording through a node, and collects the evidence of its drives. The node has no
-/// tolerance of the scale factor, because the errors show what there is.
+/// tolerance of the scale factor, because the errors show what there is. A delay of the reference
+/// that is found is taken off first.
 /// Throws recording::Error, recording::DataError and std::invalid_argument as evaluate::replay().
 [[nodiscard]] DriveRecord read_drive_record(const recording::Input& input,
-                                            const truth::Track& track, const truth::Truth& truth,
+                                            const truth::Track& track, const truth::Truth& given,
                                             model::SensorModel model);
 
 }  // namespace zerorate::diagnose

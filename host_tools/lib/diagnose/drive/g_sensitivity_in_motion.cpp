@@ -39,9 +39,9 @@ class GSensitivityInMotion final : public MotionEffect {
     const double sign = record.vertical.sign;
     Variant variant{
         .by = {},
-        .share = {.columns = Eigen::MatrixXd(static_cast<Eigen::Index>(record.size()),
+        .share = {.columns = Eigen::MatrixXd(static_cast<Eigen::Index>(record.rows()),
                                              static_cast<Eigen::Index>(axes.size())),
-                  .known = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(record.size()))},
+                  .known = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(record.rows()))},
         .prior_sigma =
             Eigen::VectorXd::Constant(static_cast<Eigen::Index>(axes.size()), kForcePrior_rad_s)};
     for (std::size_t i = 0; i < axes.size(); ++i) {

@@ -24,11 +24,15 @@ struct Component {
 /// Component of the vertical along one of the other axes. A body that leans outwards in curves
 /// shows it a share of the path.
 Component component_of(const DriveRecord& record, std::size_t axis) {
-  Eigen::MatrixXd x(static_cast<Eigen::Index>(record.size()), 2);
-  x.col(0) = column_of(record, [](const DriveEvidence& drive) { return drive.turn_rad; });
-  x.col(1) = column_of(record, [](const DriveEvidence& drive) { return drive.path_rad; });
+  const auto drives = static_cast<Eigen::Index>(record.size());
+  const auto of_drives = [&](const auto& figure) {
+    return column_of(record, figure).head(drives).eval();
+  };
+  Eigen::MatrixXd x(drives, 2);
+  x.col(0) = of_drives([](const DriveEvidence& drive) { return drive.turn_rad; });
+  x.col(1) = of_drives([](const DriveEvidence& drive) { return drive.path_rad; });
   const Eigen::VectorXd y =
-      column_of(record, [&](const DriveEvidence& drive) { return drive.turned_rad.at(axis); });
+      of_drives([&](const DriveEvidence& drive) { return drive.turned_rad.at(axis); });
   const Eigen::Matrix2d inverse =
       (x.transpose() * x).completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::Vector2d shares = inverse * (x.transpose() * y);

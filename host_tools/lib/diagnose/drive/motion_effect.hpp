@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "firmware/model/sensor_model.hpp"
-#include "host_tools/lib/diagnose/drive/evidence.hpp"
+#include "host_tools/lib/diagnose/drive/drive_record.hpp"
 #include "host_tools/lib/diagnose/drive/regression.hpp"
 #include "host_tools/lib/diagnose/result/diagnosis.hpp"
 
@@ -82,12 +82,12 @@ class MotionEffect {
                                    model::SensorModel& model) const = 0;
 };
 
-/// A column of a figure of each drive.
+/// A column of a figure of each row: of the drives, and then of the windows.
 template <class Figure>
 [[nodiscard]] Eigen::VectorXd column_of(const DriveRecord& record, const Figure& figure) {
-  Eigen::VectorXd column(static_cast<Eigen::Index>(record.size()));
-  for (std::size_t i = 0; i < record.size(); ++i) {
-    column[static_cast<Eigen::Index>(i)] = figure(record.drives[i]);
+  Eigen::VectorXd column(static_cast<Eigen::Index>(record.rows()));
+  for (std::size_t i = 0; i < record.rows(); ++i) {
+    column[static_cast<Eigen::Index>(i)] = figure(record.row(i));
   }
   return column;
 }

@@ -159,8 +159,7 @@ class ReferenceDelay final : public TraceEffect {
             delay.value > 0.0 ? "late" : "ahead", std::abs(delay.value),
             std::abs(delay.value) - delay.half_width, std::abs(delay.value) + delay.half_width),
         .left_out_because = "a model describes the gyro; correct the times of the reference",
-        .catches_up = std::abs(delay.value) + delay.half_width <
-                      units::seconds(truth::Drive::kBesideTheWay_ns)};
+        .delay_s = delay.value};
   }
 };
 

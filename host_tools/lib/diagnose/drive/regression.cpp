@@ -8,8 +8,54 @@
 
 namespace zerorate::diagnose {
 
+namespace {
+
+Residuals residuals_of(const Eigen::VectorXd& rows) {
+  return {.size = static_cast<double>(rows.size()), .squares = rows.squaredNorm()};
+}
+
+/// Likeliest weight of a block of rows.
+double weight_of(const Residuals& rows) {
+  return rows.size > 0.0 ? rows.size / rows.squares : 0.0;
+}
+
+Eigen::MatrixXd squares_of(const Eigen::MatrixXd& rows) {
+  return rows.transpose() * rows;
+}
+
+/// What drives and windows say of the coefficients, the factors of their variances left out.
+struct Information {
+  Eigen::MatrixXd drives;
+  Eigen::MatrixXd windows;
+
+  /// Covariance of the coefficients at some weights.
+  [[nodiscard]] Eigen::MatrixXd inverse(double of_drives, double of_windows) const {
+    if (drives.size() == 0) return drives;
+    const Eigen::MatrixXd both = of_drives * drives + of_windows * windows;
+    return both.completeOrthogonalDecomposition().pseudoInverse();
+  }
+};
+
+/// Freedom of a mean of two estimates by the rule of Welch and Satterthwaite.
+double pooled(double share, double by_drives, double by_windows) {
+  if (!(by_windows > 0.0)) return by_drives;
+  return 1.0 / (share * share / by_drives + (1.0 - share) * (1.0 - share) / by_windows);
+}
+
+}  // namespace
+
+double DriveFit::size(double share) const {
+  return pooled(share, drives.size, windows.size);
+}
+
+double DriveFit::freedom(double share) const {
+  return pooled(share, drives.freedom, windows.freedom);
+}
+
 DriveRegression::DriveRegression(const DriveRecord& record)
-    : lower_(record.covariance().llt().matrixL()), errors_(whitened(record.errors())) {}
+    : drives_(static_cast<Eigen::Index>(record.size())),
+      lower_(record.covariance().llt().matrixL()),
+      errors_(whitened(record.errors())) {}
 
 Eigen::MatrixXd DriveRegression::whitened(const Eigen::MatrixXd& columns) const {
   return lower_.triangularView<Eigen::Lower>().solve(columns);
@@ -17,27 +63,54 @@ Eigen::MatrixXd DriveRegression::whitened(const Eigen::MatrixXd& columns) const 
 
 DriveFit DriveRegression::fit(const Share& share) const {
   const Eigen::VectorXd y = errors_ - Eigen::VectorXd(whitened(share.known));
-  DriveFit fit{.residual = y.squaredNorm(), .freedom = static_cast<double>(size())};
-  if (share.columns.cols() == 0) return fit;
   const Eigen::MatrixXd x = whitened(share.columns);
-  const Eigen::MatrixXd inverse =
-      (x.transpose() * x).completeOrthogonalDecomposition().pseudoInverse();
-  fit.coefficients = inverse * (x.transpose() * y);
-  fit.residual = (y - x * fit.coefficients).squaredNorm();
-  fit.freedom -= static_cast<double>(x.cols());
-  fit.covariance = inverse * fit.factor();
+  const Eigen::Index windows = y.size() - drives_;
+  const Information information{.drives = squares_of(x.topRows(drives_)),
+                                .windows = squares_of(x.bottomRows(windows))};
+  const Eigen::VectorXd by_drives = x.topRows(drives_).transpose() * y.head(drives_);
+  const Eigen::VectorXd by_windows = x.bottomRows(windows).transpose() * y.tail(windows);
+  DriveFit fit;
+  double of_drives = 1.0;
+  double of_windows = 1.0;
+  constexpr int kSettled = 20;  // steps after which the factors change no more
+  const int steps = windows > 0 && x.cols() > 0 ? kSettled : 1;
+  for (int step = 0; step < steps; ++step) {
+    fit.coefficients = information.inverse(of_drives, of_windows) *
+                       (of_drives * by_drives + of_windows * by_windows);
+    const Eigen::VectorXd left = y - x * fit.coefficients;
+    fit.drives = residuals_of(left.head(drives_));
+    fit.windows = residuals_of(left.tail(windows));
+    of_drives = weight_of(fit.drives);
+    of_windows = weight_of(fit.windows);
+  }
+  fit.share_of_drives =
+      of_drives * (information.inverse(of_drives, of_windows) * information.drives).diagonal();
+  fit.drives.freedom = fit.drives.size - fit.share_of_drives.sum();
+  fit.windows.freedom =
+      fit.windows.size - (static_cast<double>(x.cols()) - fit.share_of_drives.sum());
+  fit.covariance = information.inverse(1.0 / fit.drives.factor(),
+                                       windows > 0 ? 1.0 / fit.windows.factor() : 0.0);
   return fit;
 }
 
-double DriveRegression::gain(const DriveFit& without, const DriveFit& with) const {
-  return 0.5 * static_cast<double>(size()) * std::log(without.residual / with.residual);
+double DriveRegression::gain(const DriveFit& without, const DriveFit& with) {
+  const auto of_rows = [](const Residuals& fewer, const Residuals& more) {
+    return more.size > 0.0 ? 0.5 * more.size * std::log(fewer.squares / more.squares) : 0.0;
+  };
+  return of_rows(without.drives, with.drives) + of_rows(without.windows, with.windows);
 }
 
-double surprisal_of_drives(double gain_nats, std::size_t parameters, double freedom,
-                           std::size_t drives) {
+double DriveRegression::share_of_drives(const Eigen::VectorXd& known, const DriveFit& fit) const {
+  const Eigen::VectorXd x = whitened(known);
+  const double of_drives = weight_of(fit.drives) * x.head(drives_).squaredNorm();
+  const double of_windows = weight_of(fit.windows) * x.tail(x.size() - drives_).squaredNorm();
+  return of_drives > 0.0 ? of_drives / (of_drives + of_windows) : 1.0;
+}
+
+double surprisal_of_drives(double gain_nats, std::size_t parameters, double freedom, double size) {
   if (!(gain_nats > 0.0) || !(freedom > 0.0)) return 0.0;
   // The share of the residual that is left has the law of beta(freedom / 2, parameters / 2).
-  const double left = std::exp(-2.0 * gain_nats / static_cast<double>(drives));
+  const double left = std::exp(-2.0 * gain_nats / size);
   if (parameters == 1) {
     const double t = std::sqrt(freedom * (1.0 - left) / left);
     return -std::log(2.0) - statistics::log_student_tail(t, freedom);

@@ -25,9 +25,7 @@ struct TraceFinding {
   std::vector<Parameter> parameters;
   std::string sentence;
   std::string left_out_because;  ///< reason why no model can have it
-  /// Headings that are late by less than the rest beside a way (truth::Drive), so that its turn is
-  /// right.
-  bool catches_up = false;
+  double delay_s = 0.0;          ///< delay of the reference; 0 for any other fault
 };
 
 class TraceEffect {

@@ -121,6 +121,68 @@ TEST(DrivesByHand, ATiltIsNamedWhereAScaleFactorHidesIt) {
   EXPECT_EQ(names_of(diagnosed(drives_askew())), both);
 }
 
+/// Drives whose path grows with their time. Each has four windows, of which two are straight, and
+/// the windows have independent errors.
+DriveRecord drives_in_windows(double asymmetry, double offset_rad_s) {
+  constexpr std::size_t kWindows = 4;
+  constexpr double kWindowNoise_rad = kNoise_rad / 2.0;
+  DriveRecord record = drives_with_noise(0.0);
+  const auto stream = random::RandomStream{9}.substream("windows");
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    DriveEvidence& drive = record.drives[k];
+    DriveEvidence part{.length_s = drive.length_s / kWindows,
+                       .moving_s = drive.moving_s / kWindows};
+    part.metres = drive.metres / kWindows;
+    drive.path_rad = 0.05 * drive.moving_s;
+    for (std::size_t i = 0; i < kWindows; ++i) {
+      part.turn_rad = i % 2 == 0 ? drive.turn_rad / 2.0 : 0.0;
+      part.path_rad = i % 2 == 0 ? drive.path_rad / 2.0 : 0.0;
+      part.error_rad =
+          kWindowNoise_rad * stream.normal(static_cast<std::int64_t>(kWindows * k + i)) +
+          asymmetry * part.path_rad + offset_rad_s * part.moving_s;
+      drive.error_rad += part.error_rad;
+      if (i + 1 < kWindows) record.windows.push_back({.drive = k, .index = i, .sums = part});
+    }
+  }
+  const auto rows = static_cast<Eigen::Index>(record.rows());
+  const auto drives = static_cast<Eigen::Index>(record.size());
+  record.bias_rad2 = Eigen::MatrixXd::Identity(rows, rows) * kWindowNoise_rad * kWindowNoise_rad;
+  record.bias_rad2.topLeftCorner(drives, drives) *= kWindows;
+  for (std::size_t w = 0; w < record.windows.size(); ++w) {
+    const auto row = drives + static_cast<Eigen::Index>(w);
+    const auto drive = static_cast<Eigen::Index>(record.windows[w].drive);
+    record.bias_rad2(row, drive) = record.bias_rad2(row, row);
+    record.bias_rad2(drive, row) = record.bias_rad2(row, row);
+  }
+  return record;
+}
+
+// Of whole drives path and time are the same column, but for a factor.
+TEST(DrivesByHand, WindowsTellAnAsymmetryFromAnOffset) {
+  const DriveRecord asymmetric = drives_in_windows(0.004, 0.0);
+  const DriveDiagnosis by_windows = diagnosed(asymmetric);
+  EXPECT_EQ(names_of(by_windows), std::vector<std::string>{"scale_asymmetry"});
+  EXPECT_TRUE(by_windows.causes.at(0).alternatives.empty());
+  EXPECT_EQ(names_of(diagnosed(drives_in_windows(0.0, 2e-4))),
+            std::vector<std::string>{"bias_in_motion"});
+  const DriveDiagnosis by_drives = diagnosed(whole_drives(asymmetric));
+  ASSERT_EQ(by_drives.causes.size(), 1);
+  EXPECT_FALSE(by_drives.causes[0].alternatives.empty());
+}
+
+// The reference wanders on the way more than at the stops: its windows weigh less.
+TEST(DrivesByHand, ScatterOfWindowsDoesNotTouchTheDrives) {
+  DriveRecord record = drives_in_windows(0.0, 0.0);
+  const auto stream = random::RandomStream{10}.substream("headings");
+  for (std::size_t w = 0; w < record.windows.size(); ++w) {
+    record.windows[w].sums.error_rad +=
+        10.0 * kNoise_rad * stream.normal(static_cast<std::int64_t>(w));
+  }
+  const DriveDiagnosis diagnosis = diagnosed(record);
+  EXPECT_TRUE(diagnosis.causes.empty());
+  EXPECT_EQ(diagnosis.verdict, Verdict::consistent);
+}
+
 TEST(DrivesByHand, FewDrivesAreNotDiagnosed) {
   DriveRecord record = drives_with_noise(kNoise_rad);
   record.drives.resize(5);
