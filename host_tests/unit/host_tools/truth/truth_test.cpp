@@ -13,6 +13,7 @@
 #include "host_tests/support/folders.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/recording/writer.hpp"
+#include "host_tools/lib/truth/delayed.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::truth {
@@ -101,6 +102,23 @@ TEST_F(ReferenceOfADrive, GivesStopsMiddlesAndTurns) {
   }
   EXPECT_EQ(name(found.vertical, 3), "z");
   EXPECT_NEAR(found.error_at_stops_rad, 0.0, 1e-6);
+}
+
+TEST_F(ReferenceOfADrive, GivesWholeTurnsWithoutItsDelay) {
+  constexpr double kDelay_s = 13.0;
+  const auto late = [](double time_s, recording::Row& row) {
+    const double heading_deg = in_town(std::max(0.0, time_s - kDelay_s)).heading_deg;
+    row.ref_heading_rad = static_cast<float>(std::fmod(heading_deg + 300.0, 360.0) * kRadPerDeg);
+  };
+  const Track delayed = track({.spoil = late});
+  const Truth as_it_is = find_truth(delayed, {.vertical = VerticalAxis{}});
+  const Truth mended = without_delay(as_it_is, delayed, 13 * kSecond);
+  EXPECT_GT(as_it_is.error_at_stops_rad, 1.0 * kRadPerDeg);
+  EXPECT_NEAR(mended.error_at_stops_rad, 0.0, 1e-6);
+  EXPECT_EQ(mended.reference_error_rad, mended.error_at_stops_rad);
+  ASSERT_EQ(mended.drives.size(), as_it_is.drives.size());
+  EXPECT_LT(as_it_is.drives[0].way_turn_rad / kRadPerDeg, 89.0);
+  EXPECT_NEAR(mended.drives[0].way_turn_rad / kRadPerDeg, 90.0, 1e-3);
 }
 
 TEST_F(ReferenceOfADrive, HasALimitOfStandingThatFollowsItsNoise) {
