@@ -157,7 +157,7 @@ DriveRecord drives_in_windows(double asymmetry, double offset_rad_s) {
   return record;
 }
 
-// Of whole drives path and time are the same column, but for a factor.
+// Path and time of whole drives are the same column, but for a factor.
 TEST(DrivesByHand, WindowsTellAnAsymmetryFromAnOffset) {
   const DriveRecord asymmetric = drives_in_windows(0.004, 0.0);
   const DriveDiagnosis by_windows = diagnosed(asymmetric);
