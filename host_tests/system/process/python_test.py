@@ -80,6 +80,56 @@ class Package(unittest.TestCase):
             self.assertEqual(scores.json, expected)
             self.assertEqual(scores.scores["y"]["kalman"].drives, expected["axes"]["y"]["predictors"]["kalman"]["drives"])
 
+    def test_has_all_coefficients_with_their_intervals(self):
+        noise = zerorate.characterize(self.recording)
+        for name, axis in noise.axes.items():
+            json_of = noise.json["axes"][name]
+            ieee = json_of["coefficients"]
+            self.assertEqual(axis.coefficients.rate_random_walk_dph_per_sqrt_h is None,
+                             ieee["rate_random_walk_dph_per_sqrt_h"] is None)
+            self.assertEqual(axis.allan_floor.adev_dph.value, json_of["allan_floor"]["adev_dph"])
+            pair = axis.without_flicker.rate_random_walk_dph_per_sqrt_h
+            self.assertTrue(pair.lo95 < pair.value < pair.hi95)
+            self.assertEqual(pair.value, ieee["without_flicker"]["rate_random_walk_dph_per_sqrt_h"]["value"])
+
+    def test_scores_a_predictor_of_the_user(self):
+        """The mean of the last stop, by its exact rule in Python, has the errors of the node's calibration mean."""
+        def mean_of(stop):
+            return stop.rate_rad_s.mean(axis=0)
+
+        for schedule in (None, SCHEDULE):
+            evaluation = zerorate.evaluate(self.recording, model="lsm6dso", schedule=schedule, predictor=mean_of)
+            node, own = (evaluation.stops.error_dph[name] for name in ("calibration_mean", "own"))
+            self.assertEqual(node.shape, own.shape)
+            # The node leaves out the newest half second of a stop and settles for one.
+            self.assertLess(np.nanmax(np.abs(node - own)), 0.3 * np.nanmax(np.abs(node)))
+            self.assertEqual(evaluation.scores["z"]["own"].stops, len(own))
+        drives = evaluation.drives
+        rms = {name: np.sqrt(np.mean(error[:, 2]**2)) for name, error in drives.error_deg.items()}
+        self.assertAlmostEqual(rms["kalman"], evaluation.scores["z"]["kalman"].heading_drift_rms_deg, delta=1e-9 * rms["kalman"])
+        self.assertAlmostEqual(rms["own"], evaluation.scores["z"]["own"].heading_drift_rms_deg, delta=1e-9 * rms["own"])
+        self.assertLess(abs(rms["own"] / rms["calibration_mean"] - 1), 0.2)
+        self.assertEqual(len(drives.length_s), evaluation.scores["z"]["kalman"].drives)
+
+    def test_predictor_that_knows_nothing_leaves_the_whole_bias(self):
+        evaluation = zerorate.evaluate(self.recording, model="lsm6dso", schedule=SCHEDULE, predictor=lambda stop: np.zeros(3))
+        np.testing.assert_allclose(evaluation.stops.error_dph["own"], evaluation.stops.measured_dph)
+        asked = []
+        zerorate.evaluate(self.recording, model="lsm6dso", predictor=lambda stop: asked.append(stop) or np.zeros(3))
+        self.assertTrue(all(isinstance(stop, zerorate.Recording) and stop.still.all() for stop in asked))
+        with self.assertRaisesRegex(ValueError, "expected 3 biases after stop 1"):
+            zerorate.evaluate(self.recording, model="lsm6dso", predictor=lambda stop: 0.0)
+
+    def test_takes_a_mask_of_the_stops(self):
+        given = zerorate.evaluate(self.recording, model="lsm6dso", still=self.recording.still)
+        self.assertEqual(given.json, zerorate.evaluate(self.recording, model="lsm6dso").json)
+        self.assertFalse((given.still & ~self.recording.still).any())
+        never = zerorate.evaluate(self.recording, model="lsm6dso", still=np.zeros(len(self.recording.time_ns), bool))
+        self.assertFalse(never.still.any())
+        self.assertEqual(never.scores["x"]["kalman"].stops, 0)
+        with self.assertRaisesRegex(ValueError, "still: expected 6000 truth values"):
+            zerorate.evaluate(self.recording, model="lsm6dso", still=np.ones(5))
+
     def test_scores_no_drift_where_nobody_knows_the_rate(self):
         score = zerorate.evaluate(self.recording, model="lsm6dso").scores["z"]["kalman"]
         self.assertEqual((score.heading_drift_rms_deg, score.coverage95), (None, None))
@@ -95,6 +145,13 @@ class Package(unittest.TestCase):
             evaluation = zerorate.evaluate(given, model="lsm6dso", vertical_axis="z")
             self.assertEqual(evaluation.json, expected)
             self.assertGreater(evaluation.true_drives["scored"], 5)
+        errors = zerorate.evaluate(path, model="lsm6dso", vertical_axis="z", predictor=lambda stop: stop.rate_rad_s.mean(axis=0))
+        kalman = errors.reference_drives.error_deg["kalman"]
+        self.assertEqual(len(kalman), expected["true_drives"]["scored"])
+        score = expected["true_drives"]["predictors"]["kalman"]["bias_at_departure"]
+        self.assertAlmostEqual(np.sqrt(np.mean(kalman**2)), score["heading_error_rms_deg"], places=9)
+        own, mean = (np.sqrt(np.mean(errors.reference_drives.error_deg[name]**2)) for name in ("own", "calibration_mean"))
+        self.assertLess(abs(own / mean - 1), 0.5)
 
     def test_a_node_publishes_what_a_replay_writes(self):
         out = self.folder / "corrected.csv"
