@@ -163,8 +163,8 @@ class RestRows {
   void take(const evaluate::ReplayedSample& sample) {
     const recording::Row& row = rows_.at(sample);
     const bool stood = std::exchange(stands_, stands(sample));
+    if (stands_ && !stood) ++stops_;
     if (!stands_ || !sample.message.has_rate()) return;
-    if (!stood) ++stops_;
     fmt::print(file_, "{},{:.6f}", stops_, units::seconds(sample.time_ns));
     for (std::size_t i = 0; i < rows_.columns().axis_count; ++i) {
       fmt::print(file_, ",{:.9g}", double{row.rate_rad_s[i]} * units::kDegPerRad);
