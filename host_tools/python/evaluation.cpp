@@ -46,11 +46,15 @@ class Collector {
     const bool stands = sample.message.motion == core::Motion::still;
     if (stands && !stands_) ++periods_;
     stands_ = stands;
+    is_motion_recorded_ = is_motion_recorded_ || sample.moving;
+    const bool drives =
+        is_motion_recorded_ ? sample.moving : sample.message.motion == core::Motion::moving;
+    if (drives) periods_before_drive_ = periods_;
     add("still", stands && sample.message.has_rate() ? 1.0 : 0.0);
   }
 
   void take(const evaluate::ReplayedStop& stop) {
-    add("stop_period", periods_ - 1.0);
+    add("stop_period", periods_before_drive_ - 1.0);
     for (std::size_t i = 0; i < axes_; ++i) {
       add("stop_measured", stop.measured_rad_s[i]);
       for (const double error : stop.error_rad_s[i]) add("stop_error", error);
@@ -92,7 +96,9 @@ class Collector {
 
   std::size_t axes_;
   Details details_;
-  double periods_ = 0.0;  ///< periods of rest that have begun
+  double periods_ = 0.0;               ///< periods of rest that have begun
+  double periods_before_drive_ = 0.0;  ///< those before the newest drive
+  bool is_motion_recorded_ = false;
   bool stands_ = false;
   std::vector<Departure> departures_;
 };

@@ -13,9 +13,9 @@
 
 namespace zerorate::python {
 
-/// Figures by name, one behind the other: of each row, of each stop that was judged (its period of
-/// rest from 0 on, and for each axis the measured bias and the errors of the predictors), of each
-/// drive of a schedule and of each drive against a reference. SI units.
+/// Figures by name, one behind the other: of each row, of each stop that was judged (the period of
+/// rest before its drive, from 0 on, and for each axis the measured bias and the errors of the
+/// predictors), of each drive of a schedule and of each drive against a reference. SI units.
 using Details = std::map<std::string, std::vector<double>>;
 
 /// JSON of the schema zerorate.replay/1, and the figures behind it.

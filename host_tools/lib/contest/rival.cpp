@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -92,25 +93,46 @@ class ColumnBias : public RivalBias {
   std::vector<std::size_t> axes_;
 };
 
+/// Unit that the name of a column gives: "mine_dph", "mine [deg/h]".
+std::optional<recording::Unit> unit_of(std::string_view name) {
+  using recording::Dimension;
+  if (const auto unit = recording::unit_in_name(Dimension::rate, name)) return unit;
+  const std::size_t line = name.rfind('_');
+  if (line == std::string_view::npos) return std::nullopt;
+  return recording::parse_unit(Dimension::rate, name.substr(line + 1));
+}
+
+/// Unit of the columns: that of their names, of --units, or of rates in deg/s.
+recording::Unit unit_of_columns(const Rival& rival, const recording::Input& input) {
+  const std::string& first = rival.columns.front();
+  const auto unit = unit_of(first);
+  for (const std::string& name : rival.columns) {
+    if (unit_of(name) == unit) continue;
+    throw recording::DataError(fmt::format("the columns {} and {} have different units",
+                                           recording::excerpt(first), recording::excerpt(name)));
+  }
+  if (unit) return *unit;
+  const auto said = input.layout.units.find(recording::Dimension::rate);
+  if (said != input.layout.units.end()) return said->second;
+  if (recording::Reader{input}.columns().rate_unit == recording::RateUnit::deg_per_s) {
+    return *recording::parse_unit(recording::Dimension::rate, "dps");
+  }
+  throw recording::DataError(
+      fmt::format("the name of the column {} gives no unit; name it {}_dps, {}_dph or {}_radps, or "
+                  "say --units rate=... with --columns",
+                  recording::excerpt(first), first, first, first));
+}
+
 /// The log with the columns of bias estimates as its rates.
 recording::Input bias_columns(const Rival& rival, const recording::Input& input) {
   recording::Input biases = input;
   auto& columns = biases.layout.columns;
   for (const char* const key : {"gx", "gy", "gz", "rate"}) columns.erase(key);
-  auto& units = biases.layout.units;
-  const bool is_said = units.contains(recording::Dimension::rate);
   for (std::size_t k = 0; k < rival.columns.size(); ++k) {
-    const std::string& name = rival.columns[k];
-    columns[rival.columns.size() == 1 ? "rate" : std::array{"gx", "gy", "gz"}[k]] = name;
-    if (is_said || recording::unit_in_name(recording::Dimension::rate, name)) continue;
-    if (recording::Reader{input}.columns().rate_unit != recording::RateUnit::deg_per_s) {
-      throw recording::DataError(fmt::format(
-          "the name of the column {} gives no unit; name it {}_dps, {}_dph or {}_radps, or say "
-          "--units rate=... with --columns",
-          recording::excerpt(name), name, name, name));
-    }
-    units[recording::Dimension::rate] = *recording::parse_unit(recording::Dimension::rate, "dps");
+    columns[rival.columns.size() == 1 ? "rate" : std::array{"gx", "gy", "gz"}[k]] =
+        rival.columns[k];
   }
+  biases.layout.units[recording::Dimension::rate] = unit_of_columns(rival, input);
   return biases;
 }
 
@@ -198,13 +220,21 @@ std::unique_ptr<RivalBias> make_script(const Rival& rival, const recording::Inpu
 
 const RivalBias::Biases RivalBias::kUnknown{kNone, kNone, kNone};
 
+bool RivalBias::is_driven(const evaluate::ReplayedSample& sample) {
+  // The messages call the first second of a stop moving, too, where a recording says when it is.
+  is_motion_recorded_ = is_motion_recorded_ || sample.moving;
+  return is_motion_recorded_ ? sample.moving : sample.message.motion == core::Motion::moving;
+}
+
 void RivalBias::take(const evaluate::ReplayedSample& sample) {
   const bool stood = std::exchange(stood_, stands(sample));
-  if (stood_ && !stood) held_rad_s_ = driven_rad_s_;
+  // A stop in which the calm is doubted for a while is still one: no drive parts it.
+  if (stood_ && std::exchange(has_driven_, false)) held_rad_s_ = driven_rad_s_;
   bias_rad_s_ = follow(sample, bias_rad_s_);
+  const bool is_driving = is_driven(sample);
   // Rest may have begun where the node still settles: what is learnt there came too late.
-  const bool departs = stood && !stood_;
-  if (departs || sample.message.motion == core::Motion::moving) driven_rad_s_ = bias_rad_s_;
+  if (is_driving || (stood && !stood_)) driven_rad_s_ = bias_rad_s_;
+  has_driven_ = (has_driven_ || is_driving) && !stood_;
 }
 
 std::string Rival::name() const {

@@ -60,6 +60,11 @@ class RivalBias {
   Biases driven_rad_s_ = kUnknown;  ///< after the newest departure or sample in motion
   Biases held_rad_s_ = kUnknown;
   bool stood_ = false;
+  bool has_driven_ = false;  ///< since the newest rest
+  bool is_motion_recorded_ = false;
+
+  /// Whether the vehicle moves, by the recording where that says so.
+  bool is_driven(const evaluate::ReplayedSample& sample);
 
   static const Biases kUnknown;
 };

@@ -97,8 +97,9 @@ def evaluate(recording: PathOrRecording, *, model: ModelOrName, schedule: Option
 
     `still`, true for each row at rest, takes the place of the recording's own column or pulses. `predictor` is a predictor
     of yours: after each stop it is called with the rows at rest (a Recording), in the order of time, and returns the bias of
-    each axis [rad/s] that holds until the next stop. It is scored as `own` beside the node's predictors. The rows are those
-    which the node learns from: `Evaluation.still`.
+    each axis [rad/s] that holds until the next stop. It is scored as `own` beside the node's predictors. The rows
+    are those which the node calls still, up to the departure: `Evaluation.still`. In the newest half second, which the node
+    does not learn from, the vehicle may move already.
     """
     if still is not None or predictor is not None:
         recording = recording if isinstance(recording, Recording) else read(recording)

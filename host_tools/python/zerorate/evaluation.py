@@ -60,7 +60,7 @@ def _stop_errors(details: "dict[str, np.ndarray]", axes: int, biases: Optional[n
     by_predictor = details.get("stop_error", np.empty(0)).reshape(-1, axes, len(_PREDICTORS))
     errors = {name: by_predictor[:, :, k] for k, name in enumerate(_PREDICTORS)}
     if biases is not None:
-        errors["own"] = measured - _after(biases, details.get("stop_period", np.empty(0)) - 1)
+        errors["own"] = measured - _after(biases, details.get("stop_period", np.empty(0)))
     return StopErrors(measured * DPH_PER_RAD_S, {name: error * DPH_PER_RAD_S for name, error in errors.items()})
 
 
