@@ -171,11 +171,11 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(found["stop_error_dph"], root_mean_square(steps), delta=0.05 * root_mean_square(steps))
 
     def test_column_that_saw_the_future_is_found_out_as_perfect(self):
-        """Biases of the next stop: what is left is the white noise of its first seconds."""
+        """Biases of the next stop: what is left is the white noise of its first seconds, half of kalman's own sigma."""
         logs = [self.with_column(k, "ahead_dph", lambda stop, k=k: 3600 * self.biases[k][min(stop + 1, 8)]) for k in range(5)]
         result = self.compare(*logs, "--against", "column:ahead_dph")
-        noise = 3600 * NOISE_DPS / math.sqrt(RATE_HZ)  # of one second
-        self.assertLess(result["contestants"][-1]["stop_error_dph"], 2 * noise)
+        errors = {one["name"]: one["stop_error_dph"] for one in result["contestants"]}
+        self.assertLess(errors["column ahead_dph"], 0.5 * errors["kalman"])
         self.assertIn("worse", result["verdict"])
 
     def test_unit_of_a_column_without_one_is_that_of_the_recording(self):

@@ -40,9 +40,18 @@ def rest(path, rows=6000):
     return path
 
 
-def mean_of_stop(stop):
-    """The calibration mean: without the newest half second, in which the vehicle may move already."""
-    return stop.rate_rad_s[stop.time_ns <= stop.time_ns[-1] - 500_000_000].mean(axis=0)
+class MeanOfStop:
+    """The calibration mean: without the newest half second, in which the vehicle may move already; where the node doubts the
+    calm for a while, what is left of the stop may be too short for a tick."""
+
+    def __init__(self):
+        self.mean = np.full(3, np.nan)
+
+    def __call__(self, stop):
+        rates = stop.rate_rad_s[stop.time_ns <= stop.time_ns[-1] - 500_000_000]
+        if len(rates) >= 5:
+            self.mean = rates.mean(axis=0)
+        return self.mean
 
 
 class Package(unittest.TestCase):
@@ -100,12 +109,14 @@ class Package(unittest.TestCase):
     def test_scores_a_predictor_of_the_user(self):
         """The mean of the last stop, by its exact rule in Python, has the errors of the node's calibration mean."""
         for schedule in (None, SCHEDULE):
-            evaluation = zerorate.evaluate(self.recording, model="lsm6dso", schedule=schedule, predictor=mean_of_stop)
+            evaluation = zerorate.evaluate(self.recording, model="lsm6dso", schedule=schedule, predictor=MeanOfStop())
             node, own = (evaluation.stops.error_dph[name] for name in ("calibration_mean", "own"))
             self.assertEqual(node.shape, own.shape)
-            # Ticks of half a second may begin and end a little otherwise.
-            self.assertLess(np.nanmax(np.abs(node - own)), 0.3 * np.nanmax(np.abs(node)))
-            self.assertEqual(evaluation.scores["z"]["own"].stops, len(own))
+            # The node's ticks begin and end otherwise: of 190 samples of 0.05 deg/s some 15 differ, more where the calm is
+            # doubted. Three standard deviations; errors are five times as large.
+            self.assertLess(np.nanmedian(np.abs(node - own)), 3 * 3600 * 0.05 * np.sqrt(15) / 190)
+            self.assertEqual(evaluation.scores["z"]["own"].stops, np.count_nonzero(np.isfinite(own[:, 2])))
+            self.assertGreater(evaluation.scores["z"]["own"].stops, 5)
         drives = evaluation.drives
         rms = {name: np.sqrt(np.mean(error[:, 2]**2)) for name, error in drives.error_deg.items()}
         self.assertAlmostEqual(rms["kalman"], evaluation.scores["z"]["kalman"].heading_drift_rms_deg, delta=1e-9 * rms["kalman"])
@@ -147,7 +158,7 @@ class Package(unittest.TestCase):
             evaluation = zerorate.evaluate(given, model="lsm6dso", vertical_axis="z")
             self.assertEqual(evaluation.json, expected)
             self.assertGreater(evaluation.true_drives["scored"], 5)
-        errors = zerorate.evaluate(path, model="lsm6dso", vertical_axis="z", predictor=mean_of_stop)
+        errors = zerorate.evaluate(path, model="lsm6dso", vertical_axis="z", predictor=MeanOfStop())
         kalman = errors.reference_drives.error_deg["kalman"]
         self.assertEqual(len(kalman), expected["true_drives"]["scored"])
         score = expected["true_drives"]["predictors"]["kalman"]["bias_at_departure"]

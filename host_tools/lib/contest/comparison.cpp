@@ -253,8 +253,10 @@ std::string table_of_scale(const ScaleInTurns& scale, const model::SensorModel& 
     }
   }
   percent[axis] = kPercent * ((1.0 + percent[axis] / kPercent) * (1.0 + scale.error) - 1.0);
-  return fmt::format("[scale_factor]\nerror_percent = [{:.4g}, {:.4g}, {:.4g}]", percent[0],
-                     percent[1], percent[2]);
+  constexpr double kLeastPercent = 0.01;
+  return fmt::format(
+      "[scale_factor]\nsigma_percent = {:.2g}\nerror_percent = [{:.4g}, {:.4g}, {:.4g}]",
+      std::max(kPercent * scale.sigma, kLeastPercent), percent[0], percent[1], percent[2]);
 }
 
 std::vector<LogErrors> replay_all(const std::vector<std::string>& logs,

@@ -10,9 +10,9 @@ namespace {
 /// First lines of each file, as comments of its language.
 std::string heading_of(const FilterNoise& noise, const char* comment) {
   return fmt::format(
-      "{0} {1}, by zerorate characterize; root mean square over {2} axes.\n"
+      "{0} {1}, by zerorate characterize; root mean square over {2} {3}.\n"
       "{0} White noise and random walk fitted together: this file has no flicker noise.\n",
-      comment, noise.recording, noise.axes);
+      comment, noise.recording, noise.axes, noise.axes == 1 ? "axis" : "axes");
 }
 
 /// A line, or a comment where the recording does not show the random walk.
