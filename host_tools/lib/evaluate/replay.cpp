@@ -132,7 +132,7 @@ class Run {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
     if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
-    stops_.take(node_, kStart, result_);
+    stops_.take(node_, kStart, result_, message);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
       result_.first_inconsistent_s = time_s(message);
