@@ -296,6 +296,7 @@ Comparison compare(const std::vector<std::string>& logs, const ComparisonOptions
                                  static_cast<std::size_t>(app::Predictor::moving_average), rival),
                         score_of(errors, options.rival.name(), rival, rival)};
   std::vector<std::vector<Turn>> turns;
+  turns.reserve(errors.size());
   for (const LogErrors& log : errors) turns.push_back(log.turns);
   result.scale = scale_in_turns(turns);
   if (result.scale) result.scale_table = table_of_scale(*result.scale, model, errors);
