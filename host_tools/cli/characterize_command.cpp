@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -19,6 +20,7 @@
 #include "host_tools/lib/diagnose/truncation_cause.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
+#include "host_tools/lib/identify/filter_noise.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -39,12 +41,18 @@ struct CharacterizeOptions {
   OutputOptions outputs;
   std::string model_out;
   std::string kalibr;
+  std::string gtsam;
+  std::string matlab;
+  std::string robot_localization;
   std::string allan_csv;
   bool is_verbose = false;
 
   /// Whether the standard output is free for text.
   [[nodiscard]] bool prints_text() const {
-    return outputs.prints_text() && kalibr != "-" && allan_csv != "-" && model_out != "-";
+    const std::array<const std::string*, 6> files{
+        &kalibr, &gtsam, &matlab, &robot_localization, &allan_csv, &model_out};
+    return outputs.prints_text() &&
+           std::ranges::none_of(files, [](const std::string* file) { return *file == "-"; });
   }
 };
 
@@ -127,16 +135,17 @@ constexpr std::size_t kFigureWidth = 28;
 
 void print_line(std::string_view what, const std::string& figure, std::string_view remark) {
   const std::string_view gap = figure.size() < kFigureWidth ? "" : " ";
-  fmt::print("  {:<23} {:<{}}{} {}\n", what, figure, kFigureWidth, gap, remark);
+  fmt::print("  {:<24} {:<{}}{} {}\n", what, figure, kFigureWidth, gap, remark);
 }
 
 void print_flicker(const identify::InnovationsFit& fit) {
   if (!fit.flicker) {
-    print_line("bias instability B", "not detectable", fmt::format("p = {:.2g}", fit.p_value));
+    print_line("flicker noise", "not detectable", fmt::format("p = {:.2g}", fit.p_value));
     return;
   }
-  print_line("bias instability B", identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS),
-             "deg/h; Allan floor 0.664 B if d = 1/2");
+  print_line("flicker noise at 1 rad/s",
+             identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS),
+             "deg/h, with the order below; the B of IEEE Std 952 has d = 1/2");
   print_line("order d", identify::text(fit.flicker->order),
              identify::explain(fit.flicker->order_source));
 }
@@ -172,13 +181,32 @@ void print_coefficients(const identify::Characterization& result) {
   }
 }
 
+/// N and K of the files for programs that have no flicker noise.
+void print_filter_noise(const identify::Characterization& result) {
+  std::vector<std::vector<std::string>> rows{{"  axis", "N [deg/sqrt(h)]", "K [deg/h/sqrt(h)]"}};
+  for (const auto& axis : result.axes) {
+    const auto& pair = axis.coefficients.without_flicker;
+    if (!pair) continue;
+    rows.push_back(
+        {"  " + axis.axis,
+         identify::text(pair->angle_random_walk_rad_per_sqrt_s, units::kDegRtHPerRadRtS),
+         identify::text(pair->rate_random_walk_rad_s_per_sqrt_s, units::kDphRtHPerRadSRtS)});
+  }
+  if (rows.size() < 2) return;
+  fmt::print(
+      "\nWithout 1/f noise, as --kalibr, --gtsam, --matlab and --robot-localization have it; K "
+      "is all of the slow noise\n{}",
+      aligned(rows));
+}
+
 void print_sameness(const identify::Characterization& result, const identify::Sameness& axis) {
   fmt::print("\naxis {}, {} recordings: {} (p = {:.2g})\n", axis.axis, axis.alone.size(),
              axis.holds() ? "one parameter set serves all"
                           : "the noise has changed, one parameter set does not serve all, and "
                             "the model is that of the first",
              axis.p_value);
-  std::vector<std::vector<std::string>> rows{{"  recording", "N [deg/s/sqrt(Hz)]", "B [deg/h]"}};
+  std::vector<std::vector<std::string>> rows{
+      {"  recording", "N [deg/s/sqrt(Hz)]", "flicker noise at 1 rad/s [deg/h]"}};
   const auto add = [&](const std::string& name, const identify::InnovationsFit& fit) {
     rows.push_back({"  " + name, identify::text(fit.angle_random_walk_rad_per_sqrt_s, kDegPerRad),
                     fit.flicker ? identify::text(fit.flicker->bias_instability_rad_s, kDphPerRadS)
@@ -215,6 +243,7 @@ void print_characterization(const identify::Characterization& result, bool is_ve
   fmt::print("Figures in brackets are 95 % intervals.\n");
   for (const auto& axis : result.axes) print_axis(axis, is_verbose);
   print_coefficients(result);
+  print_filter_noise(result);
   for (const auto& sameness : result.sameness) print_sameness(result, sameness);
 }
 
@@ -226,6 +255,17 @@ ExitCode judge(const identify::Characterization& result) {
   return drifts ? finding : success;
 }
 
+void write_filter_noise(const CharacterizeOptions& options, const identify::FilterNoise& noise) {
+  const auto write = [&](const std::string& file,
+                         std::string (*text)(const identify::FilterNoise&)) {
+    if (!file.empty()) write_text(file, text(noise));
+  };
+  write(options.kalibr, identify::kalibr_yaml);
+  write(options.gtsam, identify::gtsam_python);
+  write(options.matlab, identify::matlab_function);
+  write(options.robot_localization, identify::robot_localization_yaml);
+}
+
 ExitCode run_characterize(const CharacterizeOptions& options) {
   const identify::Characterization result = run_identification(options);
   if (!options.outputs.report.empty()) {
@@ -234,7 +274,7 @@ ExitCode run_characterize(const CharacterizeOptions& options) {
         .write(options.outputs.report);
   }
   if (!options.outputs.json.empty()) write_text(options.outputs.json, identify::to_json(result));
-  if (!options.kalibr.empty()) write_text(options.kalibr, identify::kalibr_yaml(result));
+  write_filter_noise(options, identify::FilterNoise::of(result));
   if (!options.allan_csv.empty()) write_text(options.allan_csv, identify::allan_csv(result));
   if (options.prints_text()) {
     print_doubt_of_rows(result.findings);
@@ -278,7 +318,14 @@ Command add_characterize(CLI::App& app) {
                       "write the sensor model for 'zerorate replay --model'; with several axes, "
                       "that of the axis with the median slow noise");
   command->add_option("--kalibr", options->kalibr,
-                      "write N and K as the imu.yaml of Kalibr, fitted without flicker noise");
+                      "write N and K as the imu.yaml of Kalibr and allan_variance_ros, fitted "
+                      "without flicker noise");
+  command->add_option("--gtsam", options->gtsam,
+                      "write N^2 and K^2 as Python that sets a PreintegrationCombinedParams");
+  command->add_option("--matlab", options->matlab,
+                      "write a MATLAB function that gives gyroparams of imuSensor");
+  command->add_option("--robot-localization", options->robot_localization,
+                      "write the covariance of sensor_msgs/Imu that robot_localization reads");
   command->add_option("--allan-csv", options->allan_csv,
                       "write the Allan deviations with their intervals as comma-separated values");
   command->add_flag("--verbose", options->is_verbose, "print the order by local Whittle, too");

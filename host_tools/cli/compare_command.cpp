@@ -23,14 +23,21 @@ struct CompareOptions {
   ReplayFlags replay;
   TruthFlags truth;
   std::string against = "last-mean";
+  double script_seconds = contest::Rival{}.limit_s;
   unsigned threads = 0;
   OutputOptions outputs;
 };
 
+contest::Rival to_rival(const CompareOptions& options) {
+  contest::Rival rival = contest::parse_rival(options.against);
+  rival.limit_s = options.script_seconds;
+  return rival;
+}
+
 ExitCode run_compare(const CompareOptions& options) {
   const contest::ComparisonOptions comparison{
       .replay = to_replay_options(options.replay),
-      .rival = contest::parse_rival(options.against),
+      .rival = to_rival(options),
       .axis = options.replay.axis.empty() ? "all" : options.replay.axis,
       .format = to_input(options.format),
       .truth = to_truth_options(options.truth),
@@ -56,8 +63,15 @@ Command add_compare(CLI::App& app) {
       ->check(CLI::ExistingPath);
   command
       ->add_option("--against", options->against,
-                   "last-mean, the mean of the last stop, or exponential:SECONDS, an exponential "
-                   "mean of the samples at rest, held on the way")
+                   "last-mean, the mean of the last stop; exponential:SECONDS, an exponential "
+                   "mean of the samples at rest, held on the way; column:NAME (or three names), "
+                   "bias estimates in the log; script:COMMAND, a program that reads the rows at "
+                   "rest and writes a bias for each stop")
+      ->capture_default_str();
+  command
+      ->add_option("--script-seconds", options->script_seconds,
+                   "time that the program of --against may take for a log [s]")
+      ->check(CLI::Range(0.1, 86'400.0))
       ->capture_default_str();
   add_format_options(*command, options->format);
   add_replay_flags(*command, options->replay);
@@ -74,7 +88,8 @@ Command add_compare(CLI::App& app) {
       "in pairs, with intervals over logs, or over stops where there are fewer than five logs.\n"
       "Examples:\n"
       "  zerorate compare log1.csv log2.csv log3.csv --against exponential:30 --model lsm6dso\n"
-      "  zerorate compare logs/*.csv --axis z --json -\n"
+      "  zerorate compare logs/*.csv --axis z --against column:my_bias_dps --json -\n"
+      "  zerorate compare logs/*.csv --against 'script:python3 my_filter.py'\n"
       "  zerorate compare drive.csv --against last-mean --report compare.html");
   return {command, [options] { return run_compare(*options); }};
 }

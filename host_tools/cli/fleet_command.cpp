@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -46,6 +47,7 @@ struct ReportOptions {
   fleet::PopulationOptions population;
   OutputOptions outputs;
   std::string csv;
+  std::string limits;
   std::string limits_out;
   double test_s = 0.0;
   std::vector<std::string> fail_on;
@@ -140,8 +142,11 @@ bool has_findings(const fleet::Population& population) {
 }
 
 ExitCode run_report(const ReportOptions& options) {
-  const auto population =
+  std::optional<fleet::Limits> limits;
+  if (!options.limits.empty()) limits = fleet::read_limits(options.limits);
+  auto population =
       fleet::fit_population(Database{options.database, Database::Access::read}, options.population);
+  population.quality = fleet::quality_of(population, limits ? &*limits : nullptr);
   if (!options.outputs.json.empty()) write_text(options.outputs.json, fleet::to_json(population));
   if (!options.outputs.report.empty()) {
     fleet::make_report(
@@ -150,9 +155,9 @@ ExitCode run_report(const ReportOptions& options) {
   }
   if (!options.csv.empty()) write_text(options.csv, fleet::to_csv(population));
   if (!options.limits_out.empty()) {
-    fleet::Limits limits = fleet::limits_of(population, options.test_s);
-    limits.fail_on = options.fail_on;
-    const std::string text = fleet::format_limits(limits);
+    fleet::Limits made = fleet::limits_of(population, options.test_s);
+    made.fail_on = options.fail_on;
+    const std::string text = fleet::format_limits(made);
     static_cast<void>(fleet::parse_limits(text, options.limits_out));  // an effect may be misspelt
     write_text(options.limits_out, text);
   }
@@ -262,6 +267,10 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
   add_database_to_read(*command, options.database);
   add_output_options(*command, options.outputs);
   command->add_option("--csv", options.csv, "write one line an axis; - is standard output");
+  command
+      ->add_option("--limits", options.limits,
+                   "limits as --limits-out writes them: yield and capability (Ppk, Cpk) by them")
+      ->check(CLI::ExistingFile);
   command->add_option("--limits-out", options.limits_out,
                       "write the limits for 'zerorate accept'; - is standard output");
   command
@@ -294,6 +303,7 @@ CLI::App* add_report(CLI::App& fleet, ReportOptions& options) {
       "  zerorate fleet report --db fleet.sqlite --report fleet.html\n"
       "  zerorate fleet report --db fleet.sqlite --json - --csv axes.csv\n"
       "  zerorate fleet report --db fleet.sqlite --limits-out limits.toml --test-s 60\n"
+      "  zerorate fleet report --db fleet.sqlite --limits limits.toml --report yield.html\n"
       "JSON, CSV and limits are described in docs/reference/fleets.md.");
   return command;
 }

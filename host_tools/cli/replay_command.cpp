@@ -28,6 +28,18 @@ struct ReplayCommandOptions {
   std::string out;
 };
 
+/// Names what the recording has and the model leaves out.
+void print_unused(const recording::Columns& columns, const model::SensorModel& model) {
+  const auto print = [](const char* quantity) {
+    fmt::print(
+        "  note: the recording has {}, and the model does not use it; 'zerorate compare' tells "
+        "whether it would help\n",
+        quantity);
+  };
+  if (columns.temperature && !model.temperature) print("a temperature");
+  if (columns.acceleration && model.inputs.empty()) print("an acceleration");
+}
+
 ExitCode run_replay(const ReplayCommandOptions& options) {
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   replay_options.checks_rest = true;
@@ -65,6 +77,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   if (options.outputs.prints_text()) {
     print_what_is_not_shown(options.flags, result, axes);
     print_result(result, axes);
+    print_unused(reader.columns(), replay_options.model);
   }
   if (result.rows_corrected == 0) {
     fmt::print(stderr, "zerorate: no row has a corrected rate: {}\n",

@@ -24,14 +24,11 @@
 #include "host_tools/lib/diagnose/diagnose.hpp"
 #include "host_tools/lib/diagnose/presentation/presentation.hpp"
 #include "host_tools/lib/diagnose/truncation_cause.hpp"
-#include "host_tools/lib/evaluate/replay.hpp"
-#include "host_tools/lib/evaluate/replay_json.hpp"
 #include "host_tools/lib/identify/allan_deviation.hpp"
 #include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
-#include "host_tools/lib/truth/truth.hpp"
-#include "host_tools/lib/units/units.hpp"
+#include "host_tools/python/evaluation.hpp"
 #include "host_tools/python/node.hpp"
 #include "host_tools/python/source.hpp"
 
@@ -101,26 +98,6 @@ std::tuple<Outcome, Curves> diagnose_recording(const Source& source, const std::
   }
   return {Outcome{diagnose::to_json(diagnoses, doubts), std::move(models), std::move(doubts)},
           std::move(curves)};
-}
-
-std::string evaluate_recording(const Source& source, const std::string& axis,
-                               const std::optional<std::string>& schedule,
-                               const NodeOptions& options, const std::string& vertical_axis,
-                               std::optional<double> reference_error_deg, double reference_from_s) {
-  recording::Reader reader = source.open();
-  const auto axes = identify::axes_called(axis, reader.columns().axis_count);
-  evaluate::ReplayOptions replay = to_replay_options(options);
-  evaluate::ReplayObserver observer;
-  if (schedule) {
-    replay.schedule = evaluate::parse_schedule(*schedule);
-  } else {
-    truth::TruthOptions truth{.usable_from_s = reference_from_s};
-    if (!vertical_axis.empty()) truth.vertical = truth::parse_vertical_axis(vertical_axis);
-    if (reference_error_deg) truth.reference_error_rad = *reference_error_deg * units::kRadPerDeg;
-    recording::Reader first = source.open();
-    observer.truth = truth::read_truth(first, truth);
-  }
-  return evaluate::to_json(evaluate::replay(reader, replay, observer), axes);
 }
 
 /// tau, Allan deviation, its 95 % interval and its equivalent degrees of freedom.

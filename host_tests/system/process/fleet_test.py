@@ -129,6 +129,15 @@ class Fleet(MadeFleet):
                    "--csv", self.folder / "axes.csv", "--limits-out", self.folder / "limits.toml")
         self.assertEqual(json.loads(report.read_text(encoding="utf-8"))["axes"], 18)
         self.assertEqual(len((self.folder / "axes.csv").read_text(encoding="utf-8").splitlines()), 19)
+        successful("fleet", "report", "--db", self.one, "--json", report, "--report", self.folder / "yield.html",
+                   "--limits", self.folder / "limits.toml")
+        quality = json.loads(report.read_text(encoding="utf-8"))["quality"]
+        sensors = quality["passed"] + quality["failed"] + quality["too_short"]
+        self.assertEqual(sensors, json.loads(report.read_text(encoding="utf-8"))["sensors"])
+        self.assertLess(quality["yield"]["ci95"][0], quality["yield"]["ci95"][1])
+        html = (self.folder / "yield.html").read_text(encoding="utf-8")
+        for words in ("Yield and capability", "Ppk", "Control charts"):
+            self.assertIn(words, html)
         model = self.folder / "type.toml"
         successful("fleet", "prior", "--db", self.one, "--model-out", model)
         self.assertIn("[prior]", model.read_text(encoding="utf-8"))

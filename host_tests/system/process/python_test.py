@@ -40,6 +40,20 @@ def rest(path, rows=6000):
     return path
 
 
+class MeanOfStop:
+    """The calibration mean: without the newest half second, in which the vehicle may move already; where the node doubts the
+    calm for a while, what is left of the stop may be too short for a tick."""
+
+    def __init__(self):
+        self.mean = np.full(3, np.nan)
+
+    def __call__(self, stop):
+        rates = stop.rate_rad_s[stop.time_ns <= stop.time_ns[-1] - 500_000_000]
+        if len(rates) >= 5:
+            self.mean = rates.mean(axis=0)
+        return self.mean
+
+
 class Package(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -80,6 +94,56 @@ class Package(unittest.TestCase):
             self.assertEqual(scores.json, expected)
             self.assertEqual(scores.scores["y"]["kalman"].drives, expected["axes"]["y"]["predictors"]["kalman"]["drives"])
 
+    def test_has_all_coefficients_with_their_intervals(self):
+        noise = zerorate.characterize(self.recording)
+        for name, axis in noise.axes.items():
+            json_of = noise.json["axes"][name]
+            ieee = json_of["coefficients"]
+            self.assertEqual(axis.coefficients.rate_random_walk_dph_per_sqrt_h is None,
+                             ieee["rate_random_walk_dph_per_sqrt_h"] is None)
+            self.assertEqual(axis.allan_floor.adev_dph.value, json_of["allan_floor"]["adev_dph"])
+            pair = axis.without_flicker.rate_random_walk_dph_per_sqrt_h
+            self.assertTrue(pair.lo95 < pair.value < pair.hi95)
+            self.assertEqual(pair.value, ieee["without_flicker"]["rate_random_walk_dph_per_sqrt_h"]["value"])
+
+    def test_scores_a_predictor_of_the_user(self):
+        """The mean of the last stop, by its exact rule in Python, has the errors of the node's calibration mean."""
+        for schedule in (None, SCHEDULE):
+            evaluation = zerorate.evaluate(self.recording, model="lsm6dso", schedule=schedule, predictor=MeanOfStop())
+            node, own = (evaluation.stops.error_dph[name] for name in ("calibration_mean", "own"))
+            self.assertEqual(node.shape, own.shape)
+            # The node's ticks begin and end otherwise: of 190 samples of 0.05 deg/s some 15 differ, more where the calm is
+            # doubted. Three standard deviations; errors are five times as large.
+            self.assertLess(np.nanmedian(np.abs(node - own)), 3 * 3600 * 0.05 * np.sqrt(15) / 190)
+            self.assertEqual(evaluation.scores["z"]["own"].stops, np.count_nonzero(np.isfinite(own[:, 2])))
+            self.assertGreater(evaluation.scores["z"]["own"].stops, 5)
+        drives = evaluation.drives
+        rms = {name: np.sqrt(np.nanmean(error[:, 2]**2)) for name, error in drives.error_deg.items()}
+        self.assertAlmostEqual(rms["kalman"], evaluation.scores["z"]["kalman"].heading_drift_rms_deg, delta=1e-9 * rms["kalman"])
+        self.assertAlmostEqual(rms["own"], evaluation.scores["z"]["own"].heading_drift_rms_deg, delta=1e-9 * rms["own"])
+        apart = np.abs(drives.error_deg["own"] - drives.error_deg["calibration_mean"])
+        self.assertLess(np.nanmedian(apart), 0.2 * np.sqrt(np.mean(drives.error_deg["calibration_mean"]**2)))
+        self.assertEqual(len(drives.length_s), evaluation.scores["z"]["kalman"].drives)
+
+    def test_predictor_that_knows_nothing_leaves_the_whole_bias(self):
+        evaluation = zerorate.evaluate(self.recording, model="lsm6dso", schedule=SCHEDULE, predictor=lambda stop: np.zeros(3))
+        np.testing.assert_allclose(evaluation.stops.error_dph["own"], evaluation.stops.measured_dph)
+        asked = []
+        zerorate.evaluate(self.recording, model="lsm6dso", predictor=lambda stop: asked.append(stop) or np.zeros(3))
+        self.assertTrue(all(isinstance(stop, zerorate.Recording) and stop.still.all() for stop in asked))
+        with self.assertRaisesRegex(ValueError, "expected 3 biases after stop 1"):
+            zerorate.evaluate(self.recording, model="lsm6dso", predictor=lambda stop: 0.0)
+
+    def test_takes_a_mask_of_the_stops(self):
+        given = zerorate.evaluate(self.recording, model="lsm6dso", still=self.recording.still)
+        self.assertEqual(given.json, zerorate.evaluate(self.recording, model="lsm6dso").json)
+        self.assertFalse((given.still & ~self.recording.still).any())
+        never = zerorate.evaluate(self.recording, model="lsm6dso", still=np.zeros(len(self.recording.time_ns), bool))
+        self.assertFalse(never.still.any())
+        self.assertEqual(never.scores["x"]["kalman"].stops, 0)
+        with self.assertRaisesRegex(ValueError, "still: expected 6000 truth values"):
+            zerorate.evaluate(self.recording, model="lsm6dso", still=np.ones(5))
+
     def test_scores_no_drift_where_nobody_knows_the_rate(self):
         score = zerorate.evaluate(self.recording, model="lsm6dso").scores["z"]["kalman"]
         self.assertEqual((score.heading_drift_rms_deg, score.coverage95), (None, None))
@@ -95,6 +159,13 @@ class Package(unittest.TestCase):
             evaluation = zerorate.evaluate(given, model="lsm6dso", vertical_axis="z")
             self.assertEqual(evaluation.json, expected)
             self.assertGreater(evaluation.true_drives["scored"], 5)
+        errors = zerorate.evaluate(path, model="lsm6dso", vertical_axis="z", predictor=MeanOfStop())
+        kalman = errors.reference_drives.error_deg["kalman"]
+        self.assertEqual(len(kalman), expected["true_drives"]["scored"])
+        score = expected["true_drives"]["predictors"]["kalman"]["bias_at_departure"]
+        self.assertAlmostEqual(np.sqrt(np.mean(kalman**2)), score["heading_error_rms_deg"], places=9)
+        own, mean = (np.sqrt(np.mean(errors.reference_drives.error_deg[name]**2)) for name in ("own", "calibration_mean"))
+        self.assertLess(abs(own / mean - 1), 0.5)
 
     def test_a_node_publishes_what_a_replay_writes(self):
         out = self.folder / "corrected.csv"

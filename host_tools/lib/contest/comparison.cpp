@@ -6,67 +6,33 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
-#include "host_tools/lib/contest/exponential_means.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"
 #include "host_tools/lib/recording/error.hpp"
-#include "host_tools/lib/recording/number.hpp"
 #include "host_tools/lib/recording/reader.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::contest {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// kalman, moving average, calibration mean, exponential mean.
+/// kalman, moving average, calibration mean, and the rival where the node does not have it.
 constexpr std::size_t kSeats = app::kPredictors + 1;
-constexpr std::size_t kExponential = app::kPredictors;
+constexpr std::size_t kRival = app::kPredictors;
 constexpr auto kLastMean = static_cast<std::size_t>(app::Predictor::calibration_mean);
 constexpr auto kKalman = static_cast<std::size_t>(app::Predictor::kalman);
 
 /// Squared errors of one stop or drive, a contestant each; NaN where it had no prediction.
 using Squares = std::array<double, kSeats>;
 
-/// Exponential mean of the samples that the node's messages call still, held on the way.
-class ExponentialMean {
- public:
-  explicit ExponentialMean(double memory_s) : memory_s_(memory_s) {}
-
-  void take(const app::RateMessage& message) {
-    const double elapsed_s = has_time_ ? double{(message.time - newest_).in_seconds()} : 0.0;
-    newest_ = message.time;
-    has_time_ = true;
-    const bool stands = message.motion == core::Motion::still;
-    if (stands && !stood_) held_rad_s_ = mean_rad_s_;
-    stood_ = stands;
-    if (!stands || !message.has_rate()) return;
-    const double weight = exponential_weight(elapsed_s, memory_s_, ++samples_);
-    for (std::size_t i = 0; i < mean_rad_s_.size(); ++i) {
-      const double rate = double{message.axes[i].measured.in(core::rad_per_s)};
-      mean_rad_s_[i] += weight * (rate - mean_rad_s_[i]);
-    }
-  }
-  [[nodiscard]] double mean_rad_s(std::size_t axis) const { return mean_rad_s_[axis]; }
-  /// Prediction for the newest stop: the mean before it.
-  [[nodiscard]] double held_rad_s(std::size_t axis) const { return held_rad_s_[axis]; }
-
- private:
-  double memory_s_;
-  std::array<double, 3> mean_rad_s_{};
-  std::array<double, 3> held_rad_s_{kNaN, kNaN, kNaN};
-  core::Instant newest_;
-  bool has_time_ = false;
-  bool stood_ = false;
-  double samples_ = 0.0;
-};
-
 /// One log after its replay.
 struct LogErrors {
   std::vector<Squares> stops;
   std::vector<Squares> drives;
+  std::vector<Turn> turns;  ///< turns of these drives, by kalman
+  std::size_t vertical = 0;
   std::size_t predictions = 0;  ///< predictions of single axes
   std::size_t covered = 0;
   bool has_temperature = false;
@@ -76,13 +42,11 @@ struct LogErrors {
 /// Follows one replay.
 class Watch {
  public:
+  /// @param rival  nullptr: the mean of the last stop
   /// @param truth  has to outlive it
-  Watch(LogErrors& errors, std::vector<std::size_t> axes, const Rival& rival,
+  Watch(LogErrors& errors, std::vector<std::size_t> axes, std::unique_ptr<RivalBias> rival,
         const std::optional<truth::Truth>& truth)
-      : errors_(errors),
-        axes_(std::move(axes)),
-        mean_(rival.memory_s.value_or(1.0)),
-        truth_(truth) {}
+      : errors_(errors), axes_(std::move(axes)), rival_(std::move(rival)), truth_(truth) {}
 
   [[nodiscard]] evaluate::ReplayObserver observer() {
     return {.truth = truth_,
@@ -92,6 +56,7 @@ class Watch {
 
   /// Errors of the drives, as the heading at the bias of the departure has them.
   void finish(const evaluate::TrueDrives& drives) {
+    errors_.vertical = drives.truth.vertical.axis;
     for (std::size_t k = 0; k < std::min(drives.drives.size(), ahead_rad_s_.size()); ++k) {
       const evaluate::ScoredTrueDrive& scored = drives.drives[k];
       if (scored.flaw != truth::Flaw::none) continue;
@@ -100,9 +65,10 @@ class Watch {
         squares[p] = squared(scored.at_departure[p].drift_rad);
       }
       const double length_s = units::seconds(scored.drive.to_ns - scored.drive.from_ns);
-      squares[kExponential] = squared(scored.at_departure[kLastMean].drift_rad -
-                                      truth_->vertical.sign * ahead_rad_s_[k] * length_s);
+      squares[kRival] = squared(scored.at_departure[kLastMean].drift_rad -
+                                truth_->vertical.sign * ahead_rad_s_[k] * length_s);
       errors_.drives.push_back(squares);
+      errors_.turns.push_back({scored.drive.turn_rad, scored.at_departure[kKalman].drift_rad});
     }
   }
 
@@ -113,9 +79,10 @@ class Watch {
     while (truth_ && ahead_rad_s_.size() < truth_->drives.size() &&
            sample.time_ns >= truth_->drives[ahead_rad_s_.size()].departure_ns) {
       const std::size_t axis = truth_->vertical.axis;
-      ahead_rad_s_.push_back(mean_.mean_rad_s(axis) - double{sample.last_stop_mean_rad_s[axis]});
+      ahead_rad_s_.push_back((rival_ ? rival_->bias_rad_s(axis) : 0.0) -
+                             double{sample.last_stop_mean_rad_s[axis]});
     }
-    mean_.take(sample.message);
+    if (rival_) rival_->take(sample);
   }
 
   void take(const evaluate::ReplayedStop& stop) {
@@ -124,7 +91,9 @@ class Watch {
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
         squares[p] += squared(stop.error_rad_s[axis][p]);
       }
-      squares[kExponential] += squared(stop.measured_rad_s[axis] - mean_.held_rad_s(axis));
+      if (rival_) {
+        squares[kRival] += squared(stop.measured_rad_s[axis] - rival_->held_rad_s(axis));
+      }
       ++errors_.predictions;
       const double limit_rad_s = statistics::kHalfWidth95 * stop.sigma_rad_s[axis][kKalman];
       if (std::abs(stop.error_rad_s[axis][kKalman]) <= limit_rad_s) ++errors_.covered;
@@ -135,9 +104,9 @@ class Watch {
 
   LogErrors& errors_;
   std::vector<std::size_t> axes_;
-  ExponentialMean mean_;
+  std::unique_ptr<RivalBias> rival_;
   const std::optional<truth::Truth>& truth_;
-  std::vector<double> ahead_rad_s_;  ///< exponential mean less that of the last stop, at departure
+  std::vector<double> ahead_rad_s_;  ///< bias of the rival less that of the last stop
 };
 
 /// Drives of a log by its reference; nullopt where it has none of use.
@@ -164,54 +133,20 @@ LogErrors errors_of(const std::string& log, const ComparisonOptions& options,
     recording::Reader reader{input};
     LogErrors errors{.has_temperature = reader.columns().temperature,
                      .has_acceleration = reader.columns().acceleration};
-    Watch watch{errors, identify::axes_called(options.axis, reader.columns().axis_count),
-                options.rival, truth};
+    const auto axes = identify::axes_called(options.axis, reader.columns().axis_count);
     evaluate::ReplayOptions replay = options.replay;
     replay.model = model;
+    Watch watch{errors, axes,
+                compared == Compared::stops_and_drives
+                    ? make_rival(options.rival, input, axes, replay)
+                    : nullptr,
+                truth};
     const evaluate::ReplayResult result = evaluate::replay(reader, replay, watch.observer());
     if (result.true_drives) watch.finish(*result.true_drives);
     return errors;
   } catch (const recording::DataError& error) {
     throw recording::DataError(log + ": " + error.what());
   }
-}
-
-/// Errors of two contestants that stand in pairs, each log a part.
-using Pairs = std::vector<std::vector<std::array<double, 2>>>;
-
-double root_of_ratio(const std::vector<const std::array<double, 2>*>& pairs) {
-  double own = 0.0;
-  double other = 0.0;
-  for (const auto* pair : pairs) {
-    own += (*pair)[0];
-    other += (*pair)[1];
-  }
-  return std::sqrt(own / other);
-}
-
-statistics::BootstrapFigure ratio_of(const Pairs& logs) {
-  std::vector<std::vector<const std::array<double, 2>*>> parts;
-  for (const auto& log : logs) {
-    auto& part = parts.emplace_back();
-    for (const auto& pair : log) part.push_back(&pair);
-  }
-  if (parts.size() < evaluate::kFewestDrivesOfARatio) {
-    std::vector<std::vector<const std::array<double, 2>*>> singles;
-    for (const auto& part : parts) {
-      for (const auto* pair : part) singles.push_back({pair});
-    }
-    parts = std::move(singles);
-  }
-  if (parts.size() < evaluate::kFewestDrivesOfARatio) return {};
-  const auto ratio = [&](const std::vector<std::size_t>& drawn) {
-    std::vector<const std::array<double, 2>*> pairs;
-    for (const std::size_t one : drawn) {
-      pairs.insert(pairs.end(), parts[one].begin(), parts[one].end());
-    }
-    return root_of_ratio(pairs);
-  };
-  return statistics::bootstrap(parts.size(), ratio,
-                               random::RandomStream{1}.substream("comparison of logs"));
 }
 
 using Chosen = std::vector<Squares> LogErrors::*;
@@ -223,8 +158,8 @@ struct Seat {
 };
 
 /// Pairs of what both predicted. Two replays of a log have the same stops, or are no pair.
-Pairs pairs_of(Chosen chosen, const Seat& own, const Seat& other) {
-  Pairs pairs;
+SquarePairs pairs_of(Chosen chosen, const Seat& own, const Seat& other) {
+  SquarePairs pairs;
   for (std::size_t i = 0; i < own.logs.size(); ++i) {
     const std::vector<Squares>& mine = own.logs[i].*chosen;
     const std::vector<Squares>& theirs = other.logs[i].*chosen;
@@ -238,7 +173,7 @@ Pairs pairs_of(Chosen chosen, const Seat& own, const Seat& other) {
   return pairs;
 }
 
-double root_mean(const Pairs& pairs) {
+double root_mean(const SquarePairs& pairs) {
   double sum = 0.0;
   double count = 0.0;
   for (const auto& log : pairs) {
@@ -252,13 +187,13 @@ double root_mean(const Pairs& pairs) {
 
 ContestantScore score_of(const std::vector<LogErrors>& logs, std::string name, std::size_t seat,
                          std::size_t rival) {
-  const Pairs stops = pairs_of(&LogErrors::stops, {logs, seat}, {logs, rival});
-  const Pairs drives = pairs_of(&LogErrors::drives, {logs, seat}, {logs, rival});
+  const SquarePairs stops = pairs_of(&LogErrors::stops, {logs, seat}, {logs, rival});
+  const SquarePairs drives = pairs_of(&LogErrors::drives, {logs, seat}, {logs, rival});
   return {.name = std::move(name),
           .stop_error_rad_s = root_mean(stops),
-          .stop_ratio = ratio_of(stops),
+          .stop_ratio = paired_ratio(stops),
           .heading_error_rad = root_mean(drives),
-          .heading_ratio = ratio_of(drives)};
+          .heading_ratio = paired_ratio(drives)};
 }
 
 /// A quantity that logs may hold, and its share of the bias where nothing better is known.
@@ -301,6 +236,29 @@ Offer acceleration_offer() {
           }};
 }
 
+/// Lines for a model file that take an error of the scale factor off, beyond that of the model;
+/// empty where the logs stand on different axes.
+std::string table_of_scale(const ScaleInTurns& scale, const model::SensorModel& model,
+                           const std::vector<LogErrors>& logs) {
+  std::array<double, 3> percent{};
+  const auto with_drives = [](const LogErrors& log) { return !log.turns.empty(); };
+  const std::size_t axis = std::ranges::find_if(logs, with_drives)->vertical;
+  for (const LogErrors& log : logs) {
+    if (with_drives(log) && log.vertical != axis) return {};
+  }
+  constexpr double kPercent = 100.0;
+  if (model.scale_factor) {
+    for (std::size_t i = 0; i < percent.size(); ++i) {
+      percent[i] = kPercent * model.scale_factor->error[i];
+    }
+  }
+  percent[axis] = kPercent * ((1.0 + percent[axis] / kPercent) * (1.0 + scale.error) - 1.0);
+  constexpr double kLeastPercent = 0.01;
+  return fmt::format(
+      "[scale_factor]\nsigma_percent = {:.2g}\nerror_percent = [{:.4g}, {:.4g}, {:.4g}]",
+      std::max(kPercent * scale.sigma, kLeastPercent), percent[0], percent[1], percent[2]);
+}
+
 std::vector<LogErrors> replay_all(const std::vector<std::string>& logs,
                                   const ComparisonOptions& options, const model::SensorModel& model,
                                   Compared compared, const parallel::Progress& progress) {
@@ -312,22 +270,6 @@ std::vector<LogErrors> replay_all(const std::vector<std::string>& logs,
 }
 
 }  // namespace
-
-std::string Rival::name() const {
-  return memory_s ? fmt::format("exponential mean of {:g} s", *memory_s) : "mean of the last stop";
-}
-
-Rival parse_rival(std::string_view text) {
-  constexpr std::string_view kPrefix = "exponential:";
-  if (text == "last-mean") return {};
-  if (text.starts_with(kPrefix)) {
-    text.remove_prefix(kPrefix.size());
-    const auto memory_s = recording::parse_real(text);
-    if (memory_s && *memory_s > 0.0 && std::isfinite(*memory_s)) return {.memory_s = *memory_s};
-  }
-  throw std::invalid_argument(
-      "--against: expected last-mean or exponential:SECONDS, as in exponential:30");
-}
 
 Comparison compare(const std::vector<std::string>& logs, const ComparisonOptions& options,
                    const parallel::Progress& progress) {
@@ -348,11 +290,16 @@ Comparison compare(const std::vector<std::string>& logs, const ComparisonOptions
     covered += log.covered;
   }
   result.coverage95 = static_cast<double>(covered) / static_cast<double>(predictions);
-  const std::size_t rival = options.rival.memory_s ? kExponential : kLastMean;
+  const std::size_t rival = options.rival.kind == Rival::Kind::last_mean ? kLastMean : kRival;
   result.contestants = {score_of(errors, "kalman", kKalman, rival),
                         score_of(errors, "moving average",
                                  static_cast<std::size_t>(app::Predictor::moving_average), rival),
                         score_of(errors, options.rival.name(), rival, rival)};
+  std::vector<std::vector<Turn>> turns;
+  turns.reserve(errors.size());
+  for (const LogErrors& log : errors) turns.push_back(log.turns);
+  result.scale = scale_in_turns(turns);
+  if (result.scale) result.scale_table = table_of_scale(*result.scale, model, errors);
   double done = 0.4;
   for (const Offer& offer : {temperature_offer(), acceleration_offer()}) {
     const bool is_recorded = std::ranges::all_of(errors, offer.is_recorded);
@@ -363,7 +310,7 @@ Comparison compare(const std::vector<std::string>& logs, const ComparisonOptions
           replay_all(logs, options, with, Compared::stops, share(done, done + 0.3));
       result.unused_inputs.push_back(
           {offer.quantity, offer.table,
-           ratio_of(pairs_of(&LogErrors::stops, {informed, kKalman}, {errors, kKalman}))});
+           paired_ratio(pairs_of(&LogErrors::stops, {informed, kKalman}, {errors, kKalman}))});
     }
     done += 0.3;
   }

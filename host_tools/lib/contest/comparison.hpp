@@ -3,14 +3,14 @@
 /// next stop shows, and by a reference's heading where there is one.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "host_tools/lib/contest/paired_ratio.hpp"
 #include "host_tools/lib/contest/presentation.hpp"
+#include "host_tools/lib/contest/rival.hpp"
 #include "host_tools/lib/evaluate/replay.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 #include "host_tools/lib/recording/input.hpp"
@@ -18,18 +18,6 @@
 #include "host_tools/lib/truth/truth.hpp"
 
 namespace zerorate::contest {
-
-/// Predictor that the node is compared with.
-struct Rival {
-  /// Memory of an exponential mean of the samples at rest, held on the way [s]; nullopt: the mean
-  /// of the last stop.
-  std::optional<double> memory_s;
-
-  [[nodiscard]] std::string name() const;
-};
-
-/// Reads "last-mean" or "exponential:SECONDS". Throws std::invalid_argument.
-[[nodiscard]] Rival parse_rival(std::string_view text);
 
 struct ComparisonOptions {
   evaluate::ReplayOptions replay;
@@ -67,6 +55,8 @@ struct Comparison {
   double coverage95 = 0.0;  ///< share of the next stops' biases in the node's interval
   std::vector<ContestantScore> contestants;  ///< kalman, moving_average, and the rival last
   std::vector<UnusedInput> unused_inputs;
+  std::optional<ScaleInTurns> scale;  ///< error of the scale factor beyond the model's, by turns
+  std::string scale_table;            ///< lines of a model file that take it off
 };
 
 /// Replays every log, and once more with each quantity that the model leaves out. Throws

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -30,6 +31,28 @@ std::string verdict_on(const Comparison& comparison) {
       word, rival, ratio.value, ratio.lo, ratio.hi);
 }
 
+/// An error of the scale factor with its 95 % interval [%].
+std::array<double, 3> percent_of(const ScaleInTurns& scale) {
+  constexpr double kPercent = 100.0;
+  const double half = statistics::kHalfWidth95 * scale.sigma;
+  return {kPercent * scale.error, kPercent * (scale.error - half), kPercent * (scale.error + half)};
+}
+
+std::string advice_on_scale(const Comparison& comparison) {
+  const ScaleInTurns& scale = *comparison.scale;
+  const auto [error, lo, hi] = percent_of(scale);
+  const std::string figure = fmt::format("{:.2g} % [{:.2g}, {:.2g}]", error, lo, hi);
+  if (!(scale.ratio.hi < 1.0)) {
+    return fmt::format(
+        "The turns of the reference show no error of the scale factor that matters: {}.", figure);
+  }
+  return fmt::format(
+      "The turns of the reference show an error of the scale factor of {}; with it taken off, the "
+      "heading error of kalman is {} times as large.{}",
+      figure, evaluate::in_words(scale.ratio),
+      comparison.scale_table.empty() ? "" : " In the model:\n" + comparison.scale_table);
+}
+
 /// Sentences on what would help, and on what cannot be seen.
 std::vector<std::string> advice_on(const Comparison& comparison) {
   std::vector<std::string> advice;
@@ -42,6 +65,7 @@ std::vector<std::string> advice_on(const Comparison& comparison) {
         input.quantity, evaluate::in_words(input.ratio),
         helps ? ". Add to the model:\n" + input.table : ": that does not help."));
   }
+  if (comparison.scale) advice.push_back(advice_on_scale(comparison));
   if (comparison.drives == 0) {
     advice.emplace_back(
         "Without a reference of the heading an error of the scale factor cannot be seen: no bias "
@@ -85,7 +109,15 @@ std::string json_of(const Comparison& comparison, const std::string& verdict,
             {"verdict", verdict},
             {"advice", advice},
             {"contestants", Json::array()},
-            {"unused_inputs", Json::array()}};
+            {"unused_inputs", Json::array()},
+            {"scale_factor", nullptr}};
+  if (comparison.scale) {
+    const auto [error, lo, hi] = percent_of(*comparison.scale);
+    json["scale_factor"] = {{"error_percent", number(error)},
+                            {"error_percent_ci95", {number(lo), number(hi)}},
+                            {"table", comparison.scale_table}};
+    add(json["scale_factor"], "heading_ratio", comparison.scale->ratio);
+  }
   for (const ContestantScore& one : comparison.contestants) {
     Json entry{{"name", one.name},
                {"stop_error_dph", number(one.stop_error_rad_s * kDphPerRadS)},

@@ -97,7 +97,12 @@ LearntModel learnt_model(const app::LearntNoise& noise, const LearntMesh& mesh) 
 
 std::string edge_in_words(const LearntModel& learnt, const LearntMesh& mesh) {
   std::string text;
-  if (learnt.is_order_at_edge) {
+  if (learnt.is_order_at_edge && learnt.order.value > 0.5 * (mesh.highest_order + 1.0)) {
+    text = fmt::format(
+        "the bias drifts like a random walk, beyond the flicker noises that the node tries, of the "
+        "orders {:.3g} to {:.3g}; temperature or warm-up may be why",
+        mesh.lowest_order, mesh.highest_order);
+  } else if (learnt.is_order_at_edge) {
     text = fmt::format("d is at the edge of the orders that the node tries, {:.3g} to {:.3g}",
                        mesh.lowest_order, mesh.highest_order);
   }

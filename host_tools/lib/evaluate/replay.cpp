@@ -132,7 +132,7 @@ class Run {
     const std::array<float, 3> truth =
         observer_.true_rate ? observer_.true_rate(result_.rows) : std::array<float, 3>{};
     if (message.motion != core::Motion::still && has_news()) tell_learnt(row.time_ns);
-    stops_.take(node_, kStart, result_);
+    stops_.take(node_, kStart, result_, message);
     if (message.health.saturated) ++result_.samples_saturated;
     if (message.health.model_inconsistent && result_.samples_inconsistent++ == 0) {
       result_.first_inconsistent_s = time_s(message);
@@ -244,6 +244,7 @@ class Run {
       drive_open_ = true;
       drive_start_ = message.time;
       drives_ = {};
+      measured_ = {};
     }
     if (const std::uint32_t tick = node_.tick(); tick != biases_tick_ || biases_stale_) {
       predict_biases();
@@ -253,6 +254,7 @@ class Run {
     const double elapsed_s = static_cast<double>((message.time - newest_).ns()) * 1e-9;
     for (std::size_t i = 0; i < result_.axis_count; ++i) {
       const double rate = measured_rad_s(message, i) - double{truth[i]};
+      measured_[i].add(rate, elapsed_s);
       for (std::size_t p = 0; p < app::kPredictors; ++p) {
         drives_[i][p].add(rate - biases_[i][p], elapsed_s);
       }
@@ -287,7 +289,8 @@ class Run {
                     double{node_.white_variance_rad2_s2(i)});
         result_.scores[i][p].add(drive);
         if (observer_.on_drive) {
-          observer_.on_drive({i, predictor, (drive_start_ - replayed_.shift()).ns(), drive});
+          observer_.on_drive({i, predictor, (drive_start_ - replayed_.shift()).ns(), drive,
+                              measured_[i].elapsed_s(), measured_[i].integrated_rad()});
         }
       }
     }
@@ -306,6 +309,7 @@ class Run {
   bool drive_open_ = false;
   core::Instant drive_start_;
   std::array<std::array<Drive, app::kPredictors>, kAxes> drives_;
+  std::array<Drive, kAxes> measured_;  ///< with the bias still in it
   std::array<std::array<double, app::kPredictors>, kAxes> biases_{};
   std::uint32_t biases_tick_ = 0;
   bool biases_stale_ = true;

@@ -93,6 +93,8 @@ struct ReplayedDrive {
   app::Predictor predictor;
   std::int64_t start_ns;  ///< time in the recording
   DriveOutcome outcome;
+  double length_s = 0.0;
+  double measured_rad = 0.0;  ///< integral of the measured rate, bias included, less the true turn
 };
 
 /// The first seconds of a stop against what was predicted before it.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,8 @@ namespace zerorate::evaluate {
 /// The bias moves on in a long stop, as in one in which a battery is charged: its mean is not what
 /// the drive before it needed. As many ticks count as make the white noise of their mean half of
 /// the sigma that the Kalman predictor states for the first of them, on the axis that needs most;
-/// of a shorter stop all.
+/// of a shorter stop all. Fewer count where the temperature or another input of the model moves the
+/// bias meanwhile, as in a stop with a charger: what was predicted holds for the inputs before.
 template <class Node>
 class StopJudge {
  public:
@@ -31,13 +33,19 @@ class StopJudge {
     first_tick_.reset();
   }
   /// After each sample.
-  void take(const Node& node, core::Instant start, ReplayResult& result) {
+  /// @param message  that of the sample, with what inputs explain of the bias
+  void take(const Node& node, core::Instant start, ReplayResult& result,
+            const app::RateMessage& message) {
     if (!before_ || node.measured_ticks() <= before_->measured_ticks()) return;
     if (!first_tick_) {
       first_tick_ = node.measured_ticks() - 1;
       enough_ticks_ = ticks_asked(start, result.axis_count);
+      explained_rad_s_ = explained_by(message);
     }
-    if (node.measured_ticks() - *first_tick_ >= enough_ticks_) judge(node, start, result);
+    if (node.measured_ticks() - *first_tick_ >= enough_ticks_ ||
+        have_inputs_moved(message, result.axis_count)) {
+      judge(node, start, result);
+    }
   }
   /// After the drive that follows the stop, or at the end.
   void end_stop(const Node& running, core::Instant start, ReplayResult& result) {
@@ -74,16 +82,41 @@ class StopJudge {
     before_.reset();
   }
 
-  [[nodiscard]] std::uint32_t ticks_asked(core::Instant start, std::size_t axes) const {
+  using Rates = std::array<double, 3>;
+
+  /// Bias of each axis that the inputs of the model explain.
+  static Rates explained_by(const app::RateMessage& message) {
+    Rates all{};
+    if (!message.explained) return all;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const app::ExplainedBias& one = (*message.explained)[i];
+      const core::AngularRate sum = one.temperature + one.acceleration + one.vibration;
+      all[i] = double{sum.in(core::rad_per_s)};
+    }
+    return all;
+  }
+  /// Whether the inputs have moved the bias of an axis by a good part of its sigma.
+  [[nodiscard]] bool have_inputs_moved(const app::RateMessage& message, std::size_t axes) const {
+    constexpr double kGoodPart = 0.5;  // half of it, on the mean of the time since
+    const Rates now = explained_by(message);
+    for (std::size_t i = 0; i < axes; ++i) {
+      if (std::abs(now[i] - explained_rad_s_[i]) > kGoodPart * sigma_rad_s_[i]) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::uint32_t ticks_asked(core::Instant start, std::size_t axes) {
     constexpr double kSharper = 4.0;  // in variance: half the sigma
     const core::Duration tick = before_->params().model.modes.tick;
     const core::Instant from = start + tick * std::int64_t{*first_tick_};
     const double tick_s = tick.in_seconds();
     double asked = 1.0;
+    sigma_rad_s_.fill(std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < axes; ++i) {
       const auto first = before_->predict_heading(app::Predictor::kalman, i, from, from + tick);
       if (!first.is_available()) continue;
       const double variance = double{first.variance_rad2} / (tick_s * tick_s);
+      sigma_rad_s_[i] = std::sqrt(variance);
       asked = std::max(asked, std::ceil(kSharper * white_rad2_s(*before_, i) / variance / tick_s));
     }
     return static_cast<std::uint32_t>(std::min(asked, 1e9));
@@ -104,6 +137,8 @@ class StopJudge {
   std::optional<Node> before_;               ///< node before the stop, until that is judged
   std::optional<std::uint32_t> first_tick_;  ///< first tick of the stop that was learnt from
   std::uint32_t enough_ticks_ = 0;           ///< from the first one on
+  Rates explained_rad_s_{};                  ///< at the first tick
+  Rates sigma_rad_s_{};                      ///< deviations of the bias predicted for it
 };
 
 }  // namespace zerorate::evaluate

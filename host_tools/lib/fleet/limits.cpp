@@ -115,11 +115,7 @@ JudgedFigure judged(const std::string& axis, const char* figure, double value,
                    .lo = interval.lo,
                    .hi = interval.hi,
                    .limits = limits};
-  if (one.hi < limits.lo || one.lo > limits.hi) {
-    one.judgement = Judgement::fail;
-  } else if (one.lo < limits.lo || one.hi > limits.hi) {
-    one.judgement = Judgement::too_short;
-  }
+  one.judgement = judge(interval, limits);
   return one;
 }
 
@@ -255,6 +251,16 @@ std::string_view name(Judgement judgement) {
   return "";
 }
 
+Judgement judge(const Range& interval, const Range& limits) {
+  if (interval.hi < limits.lo || interval.lo > limits.hi) return Judgement::fail;
+  if (interval.lo < limits.lo || interval.hi > limits.hi) return Judgement::too_short;
+  return Judgement::pass;
+}
+
+bool fails_by(const Cause& cause, const Limits& limits) {
+  return !cause.may_be_order && std::ranges::count(limits.fail_on, cause.effect) > 0;
+}
+
 namespace {
 
 /// Noise of the axes, with causes where the limits name some.
@@ -265,10 +271,7 @@ std::vector<AxisResult> axes_for(const PopulationSamples& recording, const Limit
 /// Fails a sensor for causes that the limits name.
 void judge_causes(const AxisResult& axis, const Limits& limits, Acceptance& acceptance) {
   for (const Cause& cause : axis.causes) {
-    if (cause.may_be_order ||
-        std::ranges::find(limits.fail_on, cause.effect) == limits.fail_on.end()) {
-      continue;
-    }
+    if (!fails_by(cause, limits)) continue;
     acceptance.judgement = Judgement::fail;
     acceptance.reasons.push_back(fmt::format("axis {}: {}, with a probability of {:.3g}", axis.axis,
                                              cause.effect, cause.probability));

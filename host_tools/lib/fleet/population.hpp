@@ -14,6 +14,7 @@
 
 #include "firmware/model/sensor_model.hpp"
 #include "host_tools/lib/fleet/database.hpp"
+#include "host_tools/lib/fleet/quality.hpp"
 #include "host_tools/lib/report/report.hpp"
 
 namespace zerorate::fleet {
@@ -107,6 +108,7 @@ struct Population {
   /// Weights of the cells of Grid over the core: nonparametric maximum likelihood.
   std::vector<double> weights;
   PopulationOptions options;
+  std::optional<Quality> quality;  ///< where it is asked for: quality_of()
 
   [[nodiscard]] double spread(int coordinate) const;
 };
@@ -169,6 +171,11 @@ struct Limits {
 
 enum class Judgement { pass, fail, too_short };
 [[nodiscard]] std::string_view name(Judgement judgement);
+
+/// Judges a 95 % interval: outside of the limits it fails, inside it passes.
+[[nodiscard]] Judgement judge(const Range& interval, const Range& limits);
+/// Whether a cause of the diagnosis fails a sensor.
+[[nodiscard]] bool fails_by(const Cause& cause, const Limits& limits);
 
 /// One figure of one axis beside its limits.
 struct JudgedFigure {

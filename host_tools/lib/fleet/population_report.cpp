@@ -51,30 +51,39 @@ report::Chart histogram(const Population& population, int coordinate) {
   constexpr int kBins = 24;
   constexpr double kReach = 4.0;  // spreads
   const Shown& one = shown()[static_cast<std::size_t>(coordinate)];
+  const double spread = population.spread(coordinate);
+  const auto middle_of = [](int bin) { return ((2.0 * bin + 1.0) / kBins - 1.0) * kReach; };
   std::vector<double> counts(kBins);
+  std::vector<double> expected(kBins);
   for (const Member& member : population.members) {
-    const double sigmas =
-        (member.evidence.posterior.mean[coordinate] - population.distribution.mean[coordinate]) /
-        population.spread(coordinate);
+    const Profile& measured = member.profiles[static_cast<std::size_t>(coordinate)];
+    const double sigmas = (measured.best - population.distribution.mean[coordinate]) / spread;
+    const double error = (measured.hi - measured.lo) / (2.0 * statistics::kHalfWidth95 * spread);
+    const double width = std::hypot(1.0, error);
+    for (int bin = 0; bin < kBins; ++bin) {
+      const double from_mean = middle_of(bin) / width;
+      expected[static_cast<std::size_t>(bin)] += 2.0 * kReach / kBins / width *
+                                                 std::exp(-0.5 * from_mean * from_mean) /
+                                                 std::sqrt(2.0 * std::numbers::pi);
+    }
     const auto bin = static_cast<int>(std::floor((sigmas / kReach + 1.0) * 0.5 * kBins));
     counts[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))] += 1.0;
   }
   report::Series axes{.name = "Axes", .style = report::SeriesStyle::steps};
-  report::Series fitted{.name = "Fitted distribution", .dashed = true};
+  report::Series fitted{.name = "Fitted distribution with the errors of the recordings",
+                        .dashed = true};
   for (int bin = 0; bin < kBins; ++bin) {
     const double left = (2.0 * bin / kBins - 1.0) * kReach;
-    const double middle = left + kReach / kBins;
     axes.x.push_back(at(population, coordinate, left));
     axes.y.push_back(counts[static_cast<std::size_t>(bin)]);
-    fitted.x.push_back(at(population, coordinate, middle));
-    fitted.y.push_back(static_cast<double>(population.members.size()) * 2.0 * kReach / kBins *
-                       std::exp(-0.5 * middle * middle) / std::sqrt(2.0 * std::numbers::pi));
+    fitted.x.push_back(at(population, coordinate, middle_of(bin)));
+    fitted.y.push_back(expected[static_cast<std::size_t>(bin)]);
   }
   return {
       .title = one.name,
       .caption =
-          "Most probable figure of each axis, the population being known; the last bins "
-          "hold all that is farther away.",
+          "Likeliest figure of each axis by its recording alone; the last bins hold all that is "
+          "farther away.",
       .x = {one.name, one.unit, one.is_log ? report::Scale::logarithmic : report::Scale::linear},
       .y = {"Axes"},
       .series = {std::move(axes), std::move(fitted)}};
@@ -101,25 +110,25 @@ report::Table lot_table(const Population& population) {
                   {"Lot", "", 5},
                   {"Reference", "", 5},
                   {"Difference"},
-                  {"p", "", 6},
-                  {"q", "", 4},
-                  {"Differs"}}};
+                  {"Differs"},
+                  {"p"},
+                  {"q"}}};
   constexpr std::size_t kMostRows = 40;
   for (const LotFigure& figure : population.lot_figures) {
     if (table.rows.size() == kMostRows) break;
-    table.rows.push_back({population.lots[figure.lot].name, figure.what,
-                          in_unit(figure, figure.lot_value), in_unit(figure, figure.other_value),
-                          effect_text(figure), figure.p_value, population.lots[figure.lot].q_value,
-                          figure.differs ? "yes" : ""});
+    table.rows.push_back(
+        {population.lots[figure.lot].name, figure.what, in_unit(figure, figure.lot_value),
+         in_unit(figure, figure.other_value), effect_text(figure), figure.differs ? "yes" : "",
+         rate_text(figure.p_value), rate_text(population.lots[figure.lot].q_value)});
   }
   return table;
 }
 
 report::Table outlier_table(const Population& population) {
-  report::Table table{.columns = {{"Sensor"}, {"Lot"}, {"Reason"}, {"q", "", 6}}};
+  report::Table table{.columns = {{"Sensor"}, {"Lot"}, {"Reason"}, {"q"}}};
   for (const Sensor* sensor : outliers(population)) {
     table.rows.push_back({sensor->name, population.lots[sensor->lot].name,
-                          words(sensor->reasons.front()), sensor->q_value});
+                          words(sensor->reasons.front()), rate_text(sensor->q_value)});
   }
   return table;
 }
@@ -127,9 +136,14 @@ report::Table outlier_table(const Population& population) {
 }  // namespace
 
 report::Report make_report(const Population& population, const std::string& provenance) {
-  report::Report report{"Population of a fleet", lead_of(population)};
+  std::string lead = lead_of(population);
+  if (population.quality && population.quality->has_limits) {
+    lead = words(population, *population.quality) + " " + lead;
+  }
+  report::Report report{"Population of a fleet", lead};
   for (const std::string& warning : population.warnings)
     report.section("Warning").paragraph(warning);
+  if (population.quality) add_quality(population, *population.quality, report);
   report::Section& distributions = report.section("Distributions");
   distributions.table(distribution_table(population));
   for (int i = 0; i < kCoordinates; ++i) distributions.chart(histogram(population, i));
@@ -161,9 +175,9 @@ report::Report make_report(const Population& population, const std::string& prov
   if (!population.lot_figures.empty()) report.section("Lots").table(lot_table(population));
   const auto changes = changed(population);
   if (!changes.empty()) {
-    report::Table table{.columns = {{"Sensor"}, {"Recordings"}, {"q", "", 6}}};
+    report::Table table{.columns = {{"Sensor"}, {"Recordings"}, {"q"}}};
     for (const Sensor* sensor : changes) {
-      table.rows.push_back({sensor->name, sensor->recordings, sensor->change_q_value});
+      table.rows.push_back({sensor->name, sensor->recordings, rate_text(sensor->change_q_value)});
     }
     report.section("Sensors that changed between recordings").table(table);
   }

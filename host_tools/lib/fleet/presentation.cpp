@@ -24,6 +24,33 @@ std::string cell_of(const std::string& text) {
   return cell + '"';
 }
 
+Json index_json(const Index& index) {
+  return {{"value", index.value}, {"ci95", {index.lo, index.hi}}};
+}
+
+Json quality_json(const Population& population, const Quality& quality) {
+  Json json = Json::object();
+  if (quality.has_limits) {
+    json = {{"passed", quality.passed},
+            {"failed", quality.failed},
+            {"too_short", quality.too_short},
+            {"yield", index_json(quality.yield)}};
+  }
+  for (const QualityFigure& figure : quality.figures) {
+    Json& one = json["figures"][figure.key];
+    one["out_of_control"] = Json::array();
+    for (const std::size_t place : figure.chart.outside) {
+      one["out_of_control"].push_back(population.sensors[quality.order[place]].name);
+    }
+    if (!figure.capability) continue;
+    one["ppk"] = index_json(figure.capability->ppk);
+    one["cpk"] = figure.capability->cpk ? index_json(*figure.capability->cpk) : Json(nullptr);
+    one["below"] = figure.capability->below;
+    one["above"] = figure.capability->above;
+  }
+  return json;
+}
+
 std::vector<const Sensor*> sensors_where(const Population& population, bool Sensor::*flag,
                                          double Sensor::*order) {
   std::vector<const Sensor*> sensors;
@@ -103,18 +130,22 @@ std::string lead_of(const Population& population) {
   const auto unused = static_cast<std::size_t>(std::ranges::count_if(
       population.bad, [](const StoredRecording& one) { return one.result.axes.empty(); }));
   return fmt::format(
-      "{} recordings of {} sensors; {} of {} axes make the population. {} sensors leave it at a "
-      "false discovery rate of {:g}, {} of {} lots differ{} from the reference, {} sensors changed "
-      "between recordings, {} recordings could not be used, and {} could in part or after repair.",
+      "{} recordings of {} sensors; {} of {} axes make the population. {} sensors leave it, {} of "
+      "{} lots differ{} from the reference, {} sensors changed between recordings, {} recordings "
+      "could not be used, and {} could in part or after repair. Of the sensors and lots that are "
+      "named, some {:.2g} % are named by chance.",
       population.recordings.size(), population.sensors.size(), population.core,
-      population.members.size(), outliers(population).size(),
-      population.options.false_discovery_rate, bad_lots, population.lots.size(),
-      bad_lots == 1 ? "s" : "", changed(population).size(), unused, population.bad.size() - unused);
+      population.members.size(), outliers(population).size(), bad_lots, population.lots.size(),
+      bad_lots == 1 ? "s" : "", changed(population).size(), unused, population.bad.size() - unused,
+      100.0 * population.options.false_discovery_rate);
 }
 
 std::string to_text(const Population& population) {
   std::string text = lead_of(population) + "\n";
   for (const std::string& warning : population.warnings) text += "warning: " + warning + "\n";
+  if (population.quality && population.quality->has_limits) {
+    text += words(population, *population.quality) + "\n";
+  }
   text += "\n";
   for (int i = 0; i < kCoordinates; ++i) {
     const Shown& one = shown()[static_cast<std::size_t>(i)];
@@ -186,6 +217,7 @@ std::string to_json(const Population& population) {
     slope["quartiles"] = {statistics::quantile_of_sorted(slopes, 0.25),
                           statistics::quantile_of_sorted(slopes, 0.75)};
   }
+  if (population.quality) json["quality"] = quality_json(population, *population.quality);
   json["effects"] = Json::array();
   for (const EffectCount& effect : population.effects) {
     json["effects"].push_back({{"effect", effect.effect},

@@ -35,6 +35,12 @@ struct Shown {
 /// Slopes of the bias over the temperature [deg/h/K], in order.
 [[nodiscard]] std::vector<double> temperature_slopes(const Population& population);
 [[nodiscard]] std::string words(const Reason& reason);
+/// Yield and capability in one sentence each; empty where no limits were given.
+[[nodiscard]] std::string words(const Population& population, const Quality& quality);
+/// Yield, capability and charts of a report, before its distributions.
+void add_quality(const Population& population, const Quality& quality, report::Report& report);
+/// A rate of false discoveries as text: "below 1e-6" where it is less.
+[[nodiscard]] std::string rate_text(double q);
 /// The paragraph that stands first.
 [[nodiscard]] std::string lead_of(const Population& population);
 

@@ -1,6 +1,5 @@
-// A characterization as files for other programs: JSON, imu.yaml, comma-separated values.
+// A characterization as files for other programs: JSON and comma-separated values.
 #include <fmt/format.h>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -86,13 +85,23 @@ Json interval(const std::optional<IntervalEstimate>& estimate, double unit) {
   return estimate ? interval(*estimate, unit) : Json(nullptr);
 }
 
+void add_walk(Json& json, const std::optional<IntervalEstimate>& walk) {
+  json["rate_random_walk_dps_per_sqrt_s"] = interval(walk, kDegPerRad);
+  json["rate_random_walk_dph_per_sqrt_h"] = interval(walk, kDphRtHPerRadSRtS);
+}
+
 Json coefficients_json(const NoiseCoefficients& coefficients) {
-  const auto& walk = coefficients.rate_random_walk_rad_s_per_sqrt_s;
-  return {{"angle_random_walk_dps_per_sqrt_hz",
-           interval(coefficients.angle_random_walk_rad_per_sqrt_s, kDegPerRad)},
-          {"bias_instability_dph", interval(coefficients.bias_instability_rad_s, kDphPerRadS)},
-          {"rate_random_walk_dps_per_sqrt_s", interval(walk, kDegPerRad)},
-          {"rate_random_walk_dph_per_sqrt_h", interval(walk, kDphRtHPerRadSRtS)}};
+  Json json{{"angle_random_walk_dps_per_sqrt_hz",
+             interval(coefficients.angle_random_walk_rad_per_sqrt_s, kDegPerRad)},
+            {"bias_instability_dph", interval(coefficients.bias_instability_rad_s, kDphPerRadS)}};
+  add_walk(json, coefficients.rate_random_walk_rad_s_per_sqrt_s);
+  json["without_flicker"] = nullptr;
+  if (const auto& pair = coefficients.without_flicker) {
+    json["without_flicker"] = {{"angle_random_walk_dps_per_sqrt_hz",
+                                interval(pair->angle_random_walk_rad_per_sqrt_s, kDegPerRad)}};
+    add_walk(json["without_flicker"], pair->rate_random_walk_rad_s_per_sqrt_s);
+  }
+  return json;
 }
 
 Json axis_json(const AxisCharacterization& axis) {
@@ -164,32 +173,6 @@ std::string to_json(const Characterization& result) {
   if (!result.sameness.empty()) json["one_parameter_set"] = sameness_json(result);
   // A name may be no UTF-8: what is none is replaced.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
-std::string kalibr_yaml(const Characterization& result) {
-  double white = 0.0;
-  double walk = 0.0;
-  for (const AxisCharacterization& axis : result.axes) {
-    const auto& pair = axis.coefficients.without_flicker;
-    const auto& n = pair ? pair->angle_random_walk_rad_per_sqrt_s
-                         : axis.coefficients.angle_random_walk_rad_per_sqrt_s;
-    white += n.value * n.value;
-    if (!pair) continue;
-    walk += pair->rate_random_walk_rad_s_per_sqrt_s.value *
-            pair->rate_random_walk_rad_s_per_sqrt_s.value;
-  }
-  const auto axes = static_cast<double>(result.axes.size());
-  return fmt::format(
-      "# {}, by zerorate characterize; root mean square over {} axes.\n"
-      "# White noise and random walk fitted together: this file has no flicker noise.\n"
-      "gyroscope_noise_density: {:.4g}  # rad/s/sqrt(Hz)\n"
-      "{}gyroscope_random_walk: {}  # rad/s^2/sqrt(Hz)\n"
-      "# accelerometer_noise_density, accelerometer_random_walk: add those of your accelerometer.\n"
-      "rostopic: /imu0\n"
-      "update_rate: {:.6g}  # Hz\n",
-      result.recording, result.axes.size(), std::sqrt(white / axes), walk > 0.0 ? "" : "# ",
-      walk > 0.0 ? fmt::format("{:.4g}", std::sqrt(walk / axes)) : "not detectable",
-      1e9 / static_cast<double>(result.sample_period.ns()));
 }
 
 std::string allan_csv(const Characterization& result) {

@@ -128,12 +128,13 @@ std::vector<report::KeyFigure> key_figures(const AxisCharacterization& axis) {
        "95 %: " + text(arw, kDegRtHPerRadRtS)}};
   if (axis.fit.flicker) {
     const auto& b = axis.fit.flicker->bias_instability_rad_s;
-    figures.push_back({"Bias instability B", fmt::format("{:.3g} deg/h", b.value * kDphPerRadS),
+    figures.push_back({"Flicker noise at 1 rad/s",
+                       fmt::format("{:.3g} deg/h", b.value * kDphPerRadS),
                        "95 %: " + text(b, kDphPerRadS)});
     figures.push_back({"Order d", fmt::format("{:.2f}", axis.fit.flicker->order.value),
                        order_text(*axis.fit.flicker)});
   } else {
-    figures.push_back({"Bias instability", "not detectable",
+    figures.push_back({"Flicker noise", "not detectable",
                        fmt::format("p = {:.2g} for flicker noise", axis.fit.p_value)});
   }
   if (!axis.allan.empty()) {
@@ -148,7 +149,7 @@ report::Table coefficient_table(const Characterization& result) {
   report::Table table{
       .caption =
           "Coefficients of IEEE Std 952 with 95 % intervals: white noise, 1/f noise and a "
-          "random walk of the rate, fitted together.",
+          "random walk of the rate, fitted together. Their B is that of 1/f noise, d = 1/2.",
       .columns = {{"Axis"},
                   {"Angle random walk N", "deg/√h"},
                   {"Bias instability B", "deg/h"},
@@ -164,12 +165,31 @@ report::Table coefficient_table(const Characterization& result) {
   return table;
 }
 
+/// N and K of the files for programs that have no flicker noise.
+report::Table filter_table(const Characterization& result) {
+  report::Table table{
+      .caption =
+          "White noise and a random walk alone, for filters that have no 1/f noise "
+          "(--kalibr, --gtsam, --matlab, --robot-localization). K stands for all of the slow "
+          "noise and is larger than in the table above.",
+      .columns = {{"Axis"}, {"N", "deg/√h"}, {"K", "deg/h/√h"}}};
+  for (const auto& axis : result.axes) {
+    const auto& pair = axis.coefficients.without_flicker;
+    if (!pair) continue;
+    table.rows.push_back({axis.axis, text(pair->angle_random_walk_rad_per_sqrt_s, kDegRtHPerRadRtS),
+                          text(pair->rate_random_walk_rad_s_per_sqrt_s, kDphRtHPerRadSRtS)});
+  }
+  return table;
+}
+
 report::Table model_table(const Characterization& result) {
   report::Table table{
       .caption =
           "Model for the node, with 95 % intervals. Two-sided densities: white noise N^2, "
-          "flicker noise B^2 (2 pi f)^(-2d), whose order d takes the place of K.",
-      .columns = {{"Axis"}, {"N", "deg/s/sqrt(Hz)"}, {"B", "deg/h"}, {"Order d"}}};
+          "flicker noise F^2 (2 pi f)^(-2d), whose order d takes the place of K. Its strength F "
+          "at 1 rad/s is B where d = 1/2 alone.",
+      .columns = {
+          {"Axis"}, {"N", "deg/s/sqrt(Hz)"}, {"Flicker noise F at 1 rad/s", "deg/h"}, {"Order d"}}};
   for (const auto& axis : result.axes) {
     const auto& flicker = axis.fit.flicker;
     table.rows.push_back(
@@ -186,7 +206,11 @@ report::Table sameness_table(const Characterization& result) {
                              "that errs in {:.0f} "
                              "% of the sensors that have not changed, all axes together.",
                              100.0 * Sameness::kSize),
-      .columns = {{"Axis"}, {"Recording"}, {"N", "deg/s/sqrt(Hz)"}, {"B", "deg/h"}, {"p"}}};
+      .columns = {{"Axis"},
+                  {"Recording"},
+                  {"N", "deg/s/sqrt(Hz)"},
+                  {"Flicker noise F at 1 rad/s", "deg/h"},
+                  {"p"}}};
   for (const Sameness& axis : result.sameness) {
     const auto row = [&](const std::string& name, const InnovationsFit& fit,
                          const std::string& verdict) {
@@ -252,7 +276,10 @@ std::string_view explain(OrderSource source) {
 
 report::Report make_report(const Characterization& result, const std::string& provenance) {
   report::Report report{"Noise of " + result.recording, lead(result)};
-  report.section("Summary").table(coefficient_table(result)).table(model_table(result));
+  auto& summary = report.section("Summary");
+  summary.table(coefficient_table(result)).table(model_table(result));
+  const report::Table filters = filter_table(result);
+  if (!filters.rows.empty()) summary.table(filters);
   if (!result.sameness.empty()) report.section("Over all recordings").table(sameness_table(result));
   for (const AxisCharacterization& axis : result.axes) {
     auto& section = report.section("Axis " + axis.axis);

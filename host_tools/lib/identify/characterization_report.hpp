@@ -32,10 +32,6 @@ namespace zerorate::identify {
 
 [[nodiscard]] std::string to_json(const Characterization& result);
 
-/// The imu.yaml of Kalibr and of those who took it over: N and K of a gyroscope that has no flicker
-/// noise, root mean square over the axes. A figure that the recording does not show is a comment.
-[[nodiscard]] std::string kalibr_yaml(const Characterization& result);
-
 /// Allan deviations of all axes as comma-separated values: averaging time [s], deviation and its
 /// 95 % interval [deg/s].
 [[nodiscard]] std::string allan_csv(const Characterization& result);

@@ -11,21 +11,23 @@ Rates are in rad/s and times in whole nanoseconds unless a name says otherwise. 
 line prints: both call the same libraries.
 """
 
+import dataclasses
 import json
 import os
-from typing import Optional, Union
+from typing import Callable, Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._native import ModelError, RecordingError
-from .results import (AllanDeviation, AxisDiagnosis, AxisNoise, Cause, Characterization, Corrected, Diagnosis, Evaluation,
-                      Figure, Model, PredictorScore, Recording)
+from .evaluation import DriveErrors, Evaluation, PredictorScore, StopErrors
+from .results import (AllanDeviation, AllanFloor, AxisDiagnosis, AxisNoise, Cause, Characterization, Corrected, Diagnosis, Figure,
+                      Model, NoiseCoefficients, Recording)
 
 __all__ = [
-    "AllanDeviation", "AxisDiagnosis", "AxisNoise", "Cause", "Characterization", "Corrected", "Diagnosis", "Evaluation", "Figure",
-    "Model", "ModelError", "Node", "PredictorScore", "Recording", "RecordingError", "allan_deviation", "catalogue",
-    "characterize", "diagnose", "evaluate", "model", "read"
+    "AllanDeviation", "AllanFloor", "AxisDiagnosis", "AxisNoise", "Cause", "Characterization", "Corrected", "Diagnosis",
+    "DriveErrors", "Evaluation", "Figure", "Model", "ModelError", "Node", "NoiseCoefficients", "PredictorScore", "Recording",
+    "RecordingError", "StopErrors", "allan_deviation", "catalogue", "characterize", "diagnose", "evaluate", "model", "read"
 ]
 __version__: str = _native.__version__
 
@@ -84,18 +86,53 @@ def diagnose(recording: PathOrRecording, *, axis: str = "all", model: Optional[M
 
 def evaluate(recording: PathOrRecording, *, model: ModelOrName, schedule: Optional[str] = None, axis: str = "all",
              learns_noise: bool = True, still_from: str = "odometer", filter_rate_hz: Optional[float] = None,
-             vertical_axis: str = "", reference_error_deg: Optional[float] = None,
-             reference_from_s: float = 0.0) -> Evaluation:
+             vertical_axis: str = "", reference_error_deg: Optional[float] = None, reference_from_s: float = 0.0,
+             still: Optional[np.ndarray] = None,
+             predictor: Optional[Callable[[Recording], np.ndarray]] = None) -> Evaluation:
     """Heading drifts and coverage of a recording through the node, as `zerorate replay`.
 
     `schedule="still=60,drive=300,seed=1"` makes up stops and drives for a recording at rest. Of a real drive the true rate
     is not known: its drifts are None, its stops are scored. Columns of a reference (`ref_heading_rad`, `ref_speed_m_s`)
-    score the drives between true stops: `true_drives`, with the last three options of the command line.
+    score the drives between true stops: `true_drives`, with `vertical_axis` and the two options about the reference.
+
+    `still`, true for each row at rest, takes the place of the recording's own column or pulses. `predictor` is a predictor
+    of yours: after each stop it is called with the rows at rest (a Recording), in the order of time, and returns the bias of
+    each axis [rad/s] that holds until the next stop. It is scored as `own` beside the node's predictors. The rows
+    are those which the node calls still, up to the departure: `Evaluation.still`. In the newest half second, which the node
+    does not learn from, the vehicle may move already.
     """
+    if still is not None or predictor is not None:
+        recording = recording if isinstance(recording, Recording) else read(recording)
+    if still is not None:
+        if schedule is not None:
+            raise ValueError("still: a schedule makes up its own stops")
+        recording = dataclasses.replace(recording, still=_mask(still, len(recording.time_ns)), odometer_pulses=None)
     source, _ = _source_of(recording)
     options = _options(model, learns_noise, still_from, filter_rate_hz)
-    return Evaluation.of_json(json.loads(_native.evaluate(source, axis, schedule, options, vertical_axis, reference_error_deg,
-                                                          reference_from_s)))
+    text, details = _native.evaluate(source, axis, schedule, options, vertical_axis, reference_error_deg, reference_from_s)
+    arrays = {name: np.asarray(values) for name, values in details.items()}
+    biases = None if predictor is None else _biases_of(predictor, recording, arrays["still"] > 0.5)
+    return Evaluation.of_details(json.loads(text), arrays, biases)
+
+
+def _mask(still: np.ndarray, rows: int) -> np.ndarray:
+    mask = np.asarray(still)
+    if mask.shape != (rows,) or mask.dtype.kind != "b":
+        raise ValueError(f"still: expected {rows} truth values, one a row, found {mask.dtype} of shape {mask.shape}")
+    return mask
+
+
+def _biases_of(predictor: Callable[[Recording], np.ndarray], recording: Recording, still: np.ndarray) -> np.ndarray:
+    """What a predictor answers after each stop, a row each."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
+    axes = recording.rate_rad_s.shape[1]
+    biases = np.full((len(edges) // 2, axes), np.nan)
+    for number, (begin, end) in enumerate(edges.reshape(-1, 2)):
+        answer = np.asarray(predictor(recording.rows(slice(begin, end))), float)
+        if answer.shape not in ((axes,), (1, axes)) and not (axes == 1 and answer.shape == ()):
+            raise ValueError(f"predictor: expected {axes} biases after stop {number + 1}, found shape {answer.shape}")
+        biases[number] = answer
+    return biases
 
 
 class Node:

@@ -7,10 +7,10 @@ from typing import Any, Optional
 
 import numpy as np
 
-_DPH_PER_RAD_S = 3600.0 * 180.0 / np.pi
+DPH_PER_RAD_S = 3600.0 * 180.0 / np.pi
 
 
-def _table(title: str, header: "list[str]", rows: "list[list[object]]") -> str:
+def table(title: str, header: "list[str]", rows: "list[list[object]]") -> str:
     def line(tag: str, cells: "list[object]") -> str:
         return "<tr>" + "".join(f"<{tag}>{html.escape(str(cell))}</{tag}>" for cell in cells) + "</tr>"
 
@@ -18,7 +18,7 @@ def _table(title: str, header: "list[str]", rows: "list[list[object]]") -> str:
             "".join(line("td", row) for row in rows) + "</table>")
 
 
-def _axes(given: Any, **labels: Any) -> Any:
+def axes_to_draw_on(given: Any, **labels: Any) -> Any:
     """The axes of matplotlib to draw on: those given, or new ones."""
     if given is None:
         import matplotlib.pyplot as plt  # only who draws needs it
@@ -89,6 +89,13 @@ class Recording:
         return {"ref_heading_rad": self.ref_heading_rad, "ref_rate_rad_s": self.ref_rate_rad_s,
                 "ref_speed_m_s": self.ref_speed_m_s}
 
+    def rows(self, part: "slice | np.ndarray") -> "Recording":
+        """Some of the samples: a slice, indices or truth values."""
+        def of(values: Optional[np.ndarray]) -> Optional[np.ndarray]:
+            return None if values is None else values[part]
+
+        return Recording(name=self.name, **{name: of(values) for name, values in (self.arrays() | self.references()).items()})
+
     @property
     def time_s(self) -> np.ndarray:
         """Time since the first sample [s]."""
@@ -101,12 +108,12 @@ class Recording:
     def _repr_html_(self) -> str:
         rows = [[axis, f"{np.degrees(np.nanmean(rate)):.4g}", f"{np.degrees(np.nanstd(rate)):.4g}"]
                 for axis, rate in zip(self.axes, self.rate_rad_s.T)]
-        return _table(f"{self.name}: {len(self.time_ns)} samples over {self.time_s[-1]:.0f} s",
+        return table(f"{self.name}: {len(self.time_ns)} samples over {self.time_s[-1]:.0f} s",
                       ["axis", "mean [deg/s]", "standard deviation [deg/s]"], rows)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the rates over time."""
-        ax = _axes(ax, xlabel="time [s]", ylabel="rate [deg/s]", title=self.name)
+        ax = axes_to_draw_on(ax, xlabel="time [s]", ylabel="rate [deg/s]", title=self.name)
         for axis, rate in zip(self.axes, self.rate_rad_s.T):
             ax.plot(self.time_s, np.degrees(rate), label=axis, linewidth=0.5)
         ax.legend()
@@ -125,35 +132,69 @@ class AllanDeviation:
 
     def _repr_html_(self) -> str:
         rows = [[f"{value:.4g}" for value in row] for row in zip(self.tau_s, self.adev, self.lo95, self.hi95)]
-        return _table("Allan deviation", ["tau [s]", "deviation", "lower 95 %", "upper 95 %"], rows)
+        return table("Allan deviation", ["tau [s]", "deviation", "lower 95 %", "upper 95 %"], rows)
 
     def plot(self, ax: Any = None, unit: str = "unit of the rate", label: str = "") -> Any:
         """Draws the curve with its interval."""
-        ax = _axes(ax, xlabel="averaging time [s]", ylabel=f"Allan deviation [{unit}]", xscale="log", yscale="log")
+        ax = axes_to_draw_on(ax, xlabel="averaging time [s]", ylabel=f"Allan deviation [{unit}]", xscale="log", yscale="log")
         line, = ax.plot(self.tau_s, self.adev, label=label)
         ax.fill_between(self.tau_s, self.lo95, self.hi95, alpha=0.3, color=line.get_color(), linewidth=0)
         return ax
 
 
 @dataclass(frozen=True)
-class AxisNoise:
-    """Noise of an axis: N, and B and d of the flicker noise where there is some."""
+class NoiseCoefficients:
+    """N, B and K of IEEE Std 952, fitted together: white noise, 1/f noise (d = 1/2) and a random walk. None where the
+    recording does not show that noise."""
 
     angle_random_walk_dps_per_sqrt_hz: Figure
     bias_instability_dph: Optional[Figure]
+    rate_random_walk_dph_per_sqrt_h: Optional[Figure]
+
+    @classmethod
+    def of_json(cls, json: "dict[str, Any]") -> "NoiseCoefficients":
+        names = ("angle_random_walk_dps_per_sqrt_hz", "bias_instability_dph", "rate_random_walk_dph_per_sqrt_h")
+        return cls(*(Figure.of_json(json[name]) if json.get(name) else None for name in names))
+
+
+@dataclass(frozen=True)
+class AllanFloor:
+    """The floor of an Allan deviation: the point whose upper limit is the lowest."""
+
+    adev_dph: Figure
+    tau_s: float
+
+    @classmethod
+    def of_json(cls, json: "dict[str, Any]") -> "AllanFloor":
+        return cls(Figure(json["adev_dph"], json["lo95_dph"], json["hi95_dph"]), json["tau_s"])
+
+
+@dataclass(frozen=True)
+class AxisNoise:
+    """Noise of an axis. N, and strength and order d of the flicker noise where there is some, are those of the model;
+    `coefficients` are N, B and K of IEEE Std 952, and `without_flicker` N and K of filters without 1/f noise (Kalibr). The
+    flicker noise's strength at 1 rad/s is B where d = 1/2 alone."""
+
+    angle_random_walk_dps_per_sqrt_hz: Figure
+    flicker_dph_at_1_rad_s: Optional[Figure]
     order: Optional[Figure]
+    coefficients: NoiseCoefficients
+    without_flicker: Optional[NoiseCoefficients]
+    allan_floor: Optional[AllanFloor]
     allan_dph: Optional[AllanDeviation] = field(repr=False)
     model: Model
     remarks: "list[str]"
 
     @classmethod
     def of_json(cls, json: "dict[str, Any]", model: Model) -> "AxisNoise":
-        flicker = json["flicker"]
+        flicker, coefficients = json["flicker"], json["coefficients"]
         columns = [np.array([point[key] for point in json["allan_deviation"]], float)
                    for key in ("tau_s", "adev_dph", "lo95_dph", "hi95_dph", "edf")]
         return cls(Figure.of_json(json["angle_random_walk_dps_per_sqrt_hz"]),
                    Figure.of_json(flicker["bias_instability_dph"]) if flicker else None,
-                   Figure.of_json(flicker["order"]) if flicker else None,
+                   Figure.of_json(flicker["order"]) if flicker else None, NoiseCoefficients.of_json(coefficients),
+                   NoiseCoefficients.of_json(coefficients["without_flicker"]) if coefficients["without_flicker"] else None,
+                   AllanFloor.of_json(json["allan_floor"]) if json["allan_floor"] else None,
                    AllanDeviation(*columns) if len(columns[0]) else None, model, json["remarks"])
 
 
@@ -178,10 +219,10 @@ class Characterization:
         return self.axes[self.middle_axis].model
 
     def _repr_html_(self) -> str:
-        rows = [[axis, noise.angle_random_walk_dps_per_sqrt_hz, noise.bias_instability_dph or "not detectable",
+        rows = [[axis, noise.angle_random_walk_dps_per_sqrt_hz, noise.flicker_dph_at_1_rad_s or "not detectable",
                  noise.order or ""] for axis, noise in self.axes.items()]
-        return _table(f"Noise of {self.json['recording']}, with 95 % intervals",
-                      ["axis", "N [deg/s/√Hz]", "B [deg/h]", "order d"], rows)
+        return table(f"Noise of {self.json['recording']}, with 95 % intervals",
+                      ["axis", "N [deg/s/√Hz]", "flicker noise at 1 rad/s [deg/h]", "order d"], rows)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the Allan deviations."""
@@ -248,69 +289,19 @@ class Diagnosis:
         rows = [[name, axis.verdict, {True: "yes", False: "no", None: "not known"}[axis.material],
                  ", ".join(f"{cause.name} ({cause.probability:.2f})" for cause in axis.causes) or "none",
                  axis.heading_drift_ratio] for name, axis in self.axes.items()]
-        return _table("Diagnosis", ["axis", "verdict", "matters for the heading", "causes (probability)",
+        return table("Diagnosis", ["axis", "verdict", "matters for the heading", "causes (probability)",
                                     "heading drift, extended over base"], rows)
 
     def plot(self, axis: Optional[str] = None, ax: Any = None) -> Any:
         """Draws the Allan deviation of an axis (default: the first) with the 95 % bands of base and extended model."""
         axis = axis or next(iter(self.axes))
-        ax = _axes(ax, xlabel="averaging time [s]", ylabel="Allan deviation [deg/h]", xscale="log", yscale="log",
+        ax = axes_to_draw_on(ax, xlabel="averaging time [s]", ylabel="Allan deviation [deg/h]", xscale="log", yscale="log",
                    title=f"axis {axis}: {self.axes[axis].verdict}")
         tau, measured, *bands = self.axes[axis].allan_rad_s
         for name, (low, _, high) in (("base", bands[:3]), ("extended", bands[3:])):
-            ax.fill_between(tau, low * _DPH_PER_RAD_S, high * _DPH_PER_RAD_S, alpha=0.3, label=name)
-        ax.plot(tau, measured * _DPH_PER_RAD_S, label="recording", color="black")
+            ax.fill_between(tau, low * DPH_PER_RAD_S, high * DPH_PER_RAD_S, alpha=0.3, label=name)
+        ax.plot(tau, measured * DPH_PER_RAD_S, label="recording", color="black")
         ax.legend()
-        return ax
-
-
-@dataclass(frozen=True)
-class PredictorScore:
-    """Heading drift of a predictor over the drives of an axis, None where the true rate is not known; and what it predicted
-    for the first seconds of each next stop, which needs no truth."""
-
-    drives: int
-    heading_drift_rms_deg: Optional[float]
-    ratio_to_calibration_mean: Optional[float]
-    coverage95: Optional[float]
-    stops: int
-    stop_error_rms_dph: Optional[float]
-    stop_error_rms_sigmas: Optional[float]
-    stop_coverage95: Optional[float]
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """Scores by axis and predictor, as `zerorate replay` finds them. `json` is its whole answer."""
-
-    scores: "dict[str, dict[str, PredictorScore]]"
-    json: "dict[str, Any]" = field(repr=False)
-    true_drives: "Optional[dict[str, Any]]" = field(default=None, repr=False)  # scores against a reference
-
-    @classmethod
-    def of_json(cls, json: "dict[str, Any]") -> "Evaluation":
-        names = PredictorScore.__dataclass_fields__
-        return cls({axis: {predictor: PredictorScore(**{name: score[name] for name in names})
-                           for predictor, score in of_axis["predictors"].items()}
-                    for axis, of_axis in json["axes"].items()}, json, json.get("true_drives"))
-
-    def _rows(self) -> "list[list[Any]]":
-        return [[axis, predictor, score.drives, score.heading_drift_rms_deg, score.ratio_to_calibration_mean, score.coverage95,
-                 score.stop_error_rms_dph, score.stop_coverage95]
-                for axis, predictors in self.scores.items() for predictor, score in predictors.items()]
-
-    def _repr_html_(self) -> str:
-        rows = [["" if cell is None else f"{cell:.3g}" if isinstance(cell, float) else cell for cell in row]
-                for row in self._rows()]
-        return _table("Heading drift", ["axis", "predictor", "drives", "rms [deg]", "ratio to calibration mean",
-                                        "inside the 95 % interval", "next stop, rms [deg/h]", "inside"], rows)
-
-    def plot(self, ax: Any = None) -> Any:
-        """Draws the drift of each axis and predictor as bars; without a known rate what the next stops differed by."""
-        figure, label = (3, "heading drift rms [deg]") if self.json["truth_known"] else (6, "error at the next stop rms [deg/h]")
-        ax = _axes(ax, xlabel=label)
-        rows = [row for row in self._rows() if row[figure] is not None]
-        ax.barh([f"{row[0]} {row[1]}" for row in rows], [row[figure] for row in rows])
         return ax
 
 
@@ -334,15 +325,15 @@ class Corrected:
 
     def _repr_html_(self) -> str:
         last = np.degrees(np.stack([self.bias_rad_s[-1], self.sigma_rad_s[-1]])) * 3600.0
-        return _table(f"{len(self.time_ns)} samples, {np.mean(self.still):.0%} at rest",
+        return table(f"{len(self.time_ns)} samples, {np.mean(self.still):.0%} at rest",
                       ["axis", "last bias [deg/h]", "its sigma [deg/h]"],
                       [[i, f"{bias:.4g}", f"{sigma:.3g}"] for i, (bias, sigma) in enumerate(last.T)])
 
     def plot(self, axis: int = 0, ax: Any = None) -> Any:
         """Draws the bias of an axis with its 95 % interval; the stops are grey."""
-        ax = _axes(ax, xlabel="time [s]", ylabel="bias [deg/h]")
+        ax = axes_to_draw_on(ax, xlabel="time [s]", ylabel="bias [deg/h]")
         time_s = (self.time_ns - self.time_ns[0]) * 1e-9
-        bias, sigma = (np.where(self.calibrated, values[:, axis], np.nan) * _DPH_PER_RAD_S
+        bias, sigma = (np.where(self.calibrated, values[:, axis], np.nan) * DPH_PER_RAD_S
                        for values in (self.bias_rad_s, self.sigma_rad_s))
         ax.plot(time_s, bias)
         ax.fill_between(time_s, bias - 1.96 * sigma, bias + 1.96 * sigma, alpha=0.3, linewidth=0)

@@ -68,6 +68,17 @@ TEST(LearntModelOnAMesh, IsNoMoreCertainThanTheMesh) {
   EXPECT_EQ(edge_in_words(learnt, mesh).find("d is at the edge"), 0U);
 }
 
+TEST(LearntModelOnAMesh, NamesADriftBeyondTheMesh) {
+  const LearntMesh mesh = mesh_of(testing::sensor_model());
+  const app::LearntNoise noise{.order = {0.99F, 0.01F},
+                               .bias_instability_rad_s = {1e-5F, 1e-6F},
+                               .angle_random_walk_rad_per_sqrt_s = {1e-4F, 1e-6F},
+                               .stops = 2.0F};
+  const LearntModel learnt = learnt_model(noise, mesh);
+  EXPECT_TRUE(learnt.is_order_at_edge);
+  EXPECT_EQ(edge_in_words(learnt, mesh).find("the bias drifts like a random walk"), 0U);
+}
+
 class ReplayOfASensorAtRest : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -185,20 +185,6 @@ TEST(NoiseCoefficients, OfWhiteNoiseAreNAlone) {
   const auto noise = characterize_simulated({.bias_instability_dph = 0.0}, 20'000);
   const NoiseCoefficients& found = noise.axes.front().coefficients;
   EXPECT_FALSE(found.bias_instability_rad_s || found.rate_random_walk_rad_s_per_sqrt_s);
-  const std::string yaml = kalibr_yaml(noise);
-  EXPECT_NE(yaml.find("# gyroscope_random_walk: not detectable"), std::string::npos) << yaml;
-}
-
-TEST(KalibrYaml, HoldsTheRandomWalkInSiUnits) {
-  const std::string yaml = kalibr_yaml(characterize_simulated(
-      {.bias_instability_dph = 0.0, .rate_random_walk_dph_per_sqrt_h = 600.0}, 100'000));
-  const auto value_of = [&](const char* key) {
-    const auto at = yaml.find(std::string("\n") + key);
-    return at == std::string::npos ? 0.0 : std::stod(yaml.substr(yaml.find(':', at) + 1));
-  };
-  EXPECT_NEAR(value_of("gyroscope_noise_density"), 0.04 * kRadPerDeg, 0.02 * 0.04 * kRadPerDeg);
-  EXPECT_NEAR(value_of("gyroscope_random_walk"), 10.0 * kDph, 2.0 * kDph);
-  EXPECT_EQ(value_of("update_rate"), 10.0);
 }
 
 TEST(AllanFloor, IsNoDipOfTheLongAveragingTimes) {

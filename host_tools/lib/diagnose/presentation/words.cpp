@@ -136,7 +136,13 @@ std::string drive_sentences(const Gain& gain) {
 
 std::string gain_sentence(const Gain& gain) {
   if (!gain.is_measured()) return "";
-  if (gain.has_drives()) return drive_sentences(gain);
+  constexpr double kShortDrive_s = 30.0;
+  if (gain.has_drives()) {
+    return drive_sentences(gain) +
+           (gain.drive_s < kShortDrive_s
+                ? " Longer drives do not fit into the part of the recording that was held out."
+                : "");
+  }
   const auto& score = gain.log_score_gain_nats_per_sample;
   if (!std::isfinite(score.value)) return "";
   return fmt::format(
