@@ -167,13 +167,8 @@ template <class Gyro, class Link>
 
 template <class Chip>
 void exercise_driver() {
-  if constexpr (drivers::RegisterChipEntry<Chip>) {
-    using Link = drivers::SpiLink<Chip, SomeSpi>;
-    exercise_on<typename Chip::template Driver<Link>>(Link{spi});
-  } else {
-    using Link = drivers::SpiFrames<SomeSpi>;
-    exercise_on<typename Chip::template Driver<Link>>(Link{spi});
-  }
+  using Link = drivers::SpiLink<Chip, SomeSpi>;
+  exercise_on<typename Chip::template Driver<Link>>(Link{spi});
 }
 
 void exercise_drivers() {
