@@ -49,7 +49,7 @@ struct ChipOf {
   static constexpr bool kHasFifo = false;
   static constexpr bool kHasThermometer = true;
   static constexpr std::uint8_t kSpiMode = 3;
-  static constexpr std::uint32_t kHighestSpi_hz = 1'000'000;  // of a burst
+  static constexpr std::uint32_t kHighestSpi_hz = 1'000'000;  // the clock of a burst
   static constexpr core::Duration kSpiPause = core::Duration::microseconds(16);
 
   static constexpr Settings settings(OutputDataRate rate, Fixed /*full_scale*/, bool /*is_fifo*/) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 
 #include "core/base/time.hpp"
@@ -102,8 +101,8 @@ struct Burst {
   };
   const auto value = [&](std::size_t index) { return static_cast<std::int16_t>(word(index)); };
   constexpr std::size_t kChecksumAt = 9;
-  const auto summed = bytes.first<2 * kChecksumAt>();
-  const unsigned sum = std::accumulate(summed.begin(), summed.end(), 0U);
+  unsigned sum = 0;
+  for (const std::uint8_t byte : bytes.first<2 * kChecksumAt>()) sum += byte;
   return {.status = word(0),
           .rate = {value(1), value(2), value(3)},
           .force = {value(4), value(5), value(6)},

@@ -26,7 +26,7 @@ inline constexpr unsigned kBurstBytes = 20;
 /// Bits and fields, named register_field.
 namespace bits {
 inline constexpr std::uint16_t kWrite = 0x8000;
-/// Of a transfer before this one: the number of clocks was no multiple of 16.
+/// The number of clocks of a transfer before this one was no multiple of 16.
 inline constexpr std::uint16_t kDiagStatSpiError = 0x0008;
 /// Data path, flash update, standby, sensor, memory and clock; bits 10 to 8 name the sensor in
 /// younger relatives.

@@ -29,7 +29,7 @@ namespace zerorate::hal::sim {
 /// the clock.
 class SimulatedAdis16475 : public SimulatedRegisters<128>, public SimulatedAccelerometer {
  public:
-  /// What differs between the parts.
+  /// Figures that differ between the parts.
   struct Part {
     std::uint16_t product;
     std::uint8_t model;  ///< low byte of RANG_MDL

@@ -35,6 +35,7 @@ inline void start_bus() {
 #else
 using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi>;
 using Wire = drivers::SpiLink<Chip, Bus>;
+static_assert(drivers::kSpiPauseOf<Chip> == core::Duration{}, "Spi0Device makes no pauses");
 inline constexpr auto kSpiMode =
     Chip::kSpiMode == 0 ? hal::rp2040::SpiMode::mode_0 : hal::rp2040::SpiMode::mode_3;
 inline void start_bus() {

@@ -45,6 +45,7 @@ constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
                             ChipUnderTest{"bmi270", 1.0 / 131.072, kRates},
                             ChipUnderTest{"icm20948", 1.0 / 131.072, kRates},
                             ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"adis16475-1", 1.0 / 160.0, kRates},
                             ChipUnderTest{"adxrs453", 1.0 / 80.0, kOneRate, false}};
 
 void expect_identical(const Replayed& a, const Replayed& b) {

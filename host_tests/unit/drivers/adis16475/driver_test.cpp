@@ -180,7 +180,7 @@ TEST(Adis16475Count, GoesOnPastItsEnd) {
   EXPECT_EQ(rig.driver.lost_samples(), 0U);
 }
 
-TEST(Adis16475Reset, ShowsInTheCountWhereTheConfigurationIsThatOfTheReset) {
+TEST(Adis16475Reset, ShowsInTheCountWhereNoRegisterShowsIt) {
   Rig rig{{.rate = adis16475::OutputDataRate::hz_2000}};
   ASSERT_TRUE(rig.start_and_settle());
   for (int i = 0; i < 100; ++i) {

@@ -70,30 +70,6 @@ TEST(SpidevDevice, HoldsChipSelectOverATransaction) {
   EXPECT_EQ(rig.kernel.last_spi[1].len, 6U);
 }
 
-TEST(SpidevDevice, PausesBetweenTransactionsWhereTheChipNeedsIt) {
-  KernelState kernel;
-  SpidevDevice<KernelDouble> bus{
-      {.device = "/dev/spidev1.0", .pause = core::Duration::microseconds(16)},
-      KernelDouble{kernel}};
-  kernel.now = core::Instant::from_ns(1'000'000);
-  RegisterRead read;
-  ASSERT_TRUE(bus.transaction(read.operations));
-  EXPECT_TRUE(kernel.waits.empty());
-  kernel.now = kernel.now + core::Duration::microseconds(6);
-  kernel.next_error = EIO;
-  EXPECT_FALSE(bus.transaction(read.operations));
-  EXPECT_EQ(kernel.waits, std::vector{core::Duration::microseconds(10)});
-  ASSERT_TRUE(bus.transaction(read.operations)) << "after a failure too";
-  EXPECT_EQ(kernel.waits.size(), 2U);
-  EXPECT_EQ(kernel.waits.back(), core::Duration::microseconds(16));
-}
-
-TEST(SpidevDevice, DoesNotWaitWhereNoPauseIsNeeded) {
-  SpiRig rig;
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(rig.transact());
-  EXPECT_TRUE(rig.kernel.waits.empty());
-}
-
 TEST(I2cDevBus, DoesATransactionInOneMessageList) {
   I2cRig rig;
   ASSERT_TRUE(rig.transact());
