@@ -15,7 +15,6 @@
 #include "core/noise/modes.hpp"
 #include "core/noise/terms.hpp"
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
