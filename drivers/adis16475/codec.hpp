@@ -19,17 +19,17 @@ enum class Part : std::uint8_t { adis16470, adis16475_1, adis16475_2, adis16475_
 
 /// Figures that differ between the parts.
 struct Variant {
-  std::uint16_t product;  ///< content of PROD_ID: the number in the part's name
-  std::uint16_t model;    ///< field of RANG_MDL; kNoModel where the register has no meaning
-  float full_scale_dps;   ///< 20,000 counts
-  float range_g;          ///< 32,000 counts
+  std::uint16_t product;        ///< content of PROD_ID: the number in the part's name
+  std::uint16_t model;          ///< field of RANG_MDL; kNoModel where the register has no meaning
+  std::int16_t full_scale_dps;  ///< 20,000 counts
+  std::int16_t range_g;         ///< 32,000 counts
 };
 inline constexpr std::uint16_t kNoModel = 0xFFFF;
 
 /// Variants in the order of Part.
 inline constexpr std::array kVariants{
-    Variant{16470, kNoModel, 2000.0F, 40.0F}, Variant{16475, 0x0000, 125.0F, 8.0F},
-    Variant{16475, 0x0004, 500.0F, 8.0F}, Variant{16475, 0x000C, 2000.0F, 8.0F}};
+    Variant{16470, kNoModel, 2000, 40}, Variant{16475, 0x0000, 125, 8},
+    Variant{16475, 0x0004, 500, 8}, Variant{16475, 0x000C, 2000, 8}};
 [[nodiscard]] constexpr const Variant& variant(Part part) {
   return kVariants[static_cast<std::size_t>(part)];
 }
@@ -40,11 +40,12 @@ inline constexpr std::int16_t kAccelerationFullScaleRaw = 32'000;
 
 /// The rate of one LSB: 6.25, 25 or 100 mdps.
 [[nodiscard]] constexpr core::AngularRate lsb(const Variant& variant) {
-  return core::deg_per_s(variant.full_scale_dps / float{kFullScaleRaw});
+  return core::deg_per_s(static_cast<float>(variant.full_scale_dps) / float{kFullScaleRaw});
 }
 /// The specific force of one LSB: 0.25 or 1.25 mg.
 [[nodiscard]] constexpr core::Acceleration acceleration_lsb(const Variant& variant) {
-  return core::standard_gravity(variant.range_g / float{kAccelerationFullScaleRaw});
+  return core::standard_gravity(static_cast<float>(variant.range_g) /
+                                float{kAccelerationFullScaleRaw});
 }
 
 /// Output data rate; the values are how many samples of 2000 Hz the chip averages.
