@@ -140,9 +140,9 @@ TEST(ReplayThroughEveryChip, GivesItTheAcceleration) {
       const auto& measured = chip.messages[k].acceleration;
       ASSERT_EQ(measured.has_value(), under_test.has_accelerometer && k != kLost) << k;
       for (std::size_t axis = 0; axis < 3 && measured; ++axis) {
-        // Half an LSB of the widest usual range, 6 g of the BMI088, and single precision.
+        // Half of the coarsest LSB, a quarter of a mg of the ADIS16475, and single precision.
         ASSERT_NEAR(measured->at(axis).in(core::m_per_s2), rows[k].acceleration_m_s2[axis],
-                    0.5 * 9.80665 * 6.0 / 32768.0 + 1e-6);
+                    0.5 * 9.80665 * 0.25e-3 + 1e-6);
       }
     }
   }
