@@ -13,6 +13,7 @@
 #include "drivers/adxrs453/driver.hpp"
 #include "drivers/adxrs453/registers.hpp"
 #include "drivers/common/chip.hpp"
+#include "drivers/common/frame_bus.hpp"
 
 namespace zerorate::drivers::adxrs453 {
 
@@ -21,6 +22,8 @@ struct Chip {
   static constexpr std::string_view kName = "adxrs453";
   template <FrameBus Bus>
   using Driver = Adxrs453<Bus>;
+  template <hal::SpiDevice Device>
+  using Spi = SpiFrames<Device>;
   using Settings = adxrs453::Settings;
   static constexpr std::size_t kAxes = 1;
   // The chip converts all the time: the rate is how often it is asked. Below 155 Hz, noise of its

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/compile_time.hpp"
+#include "drivers/adis16475/chip.hpp"
 #include "drivers/adxrs453/chip.hpp"
 #include "drivers/bmi088/chip.hpp"
 #include "drivers/bmi160/chip.hpp"
@@ -17,7 +18,7 @@ namespace zerorate::drivers {
 
 /// ChipEntries; each driver lists its own.
 using AllChips =
-    core::Joined<adxrs453::Chips, bmi088::Chips, bmi160::Chips, bmi270::Chips, icm20948::Chips,
-                 icm42688::Chips, l3gd20h::Chips, lsm6dso::Chips, mpu6500::Chips>;
+    core::Joined<adis16475::Chips, adxrs453::Chips, bmi088::Chips, bmi160::Chips, bmi270::Chips,
+                 icm20948::Chips, icm42688::Chips, l3gd20h::Chips, lsm6dso::Chips, mpu6500::Chips>;
 
 }  // namespace zerorate::drivers

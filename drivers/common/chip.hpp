@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "drivers/common/frame_bus.hpp"
+#include "core/base/time.hpp"
 #include "drivers/common/register_access.hpp"
 #include "hal/contract/spi_device.hpp"
 
@@ -36,6 +36,9 @@ struct Fixed {};
 /// - `kHasThermometer` whether samples can carry a temperature
 /// - `kAxes`           of the gyro: 3 or 1
 /// - `kSpiMode`, `kHighestSpi_hz`
+/// - `kSpiPause`       only where the chip needs one: time without selection between two
+/// transactions
+/// - `Spi<Device>`     only where it is not SpiRegisters: link of the driver on SPI
 template <class Chip>
 concept ChipEntry = requires {
   { Chip::kName } -> std::convertible_to<std::string_view>;
@@ -77,8 +80,7 @@ concept RegisterChipEntry = ChipEntry<Chip> && requires {
   Chip::kIdentity.reset;
 };
 
-/// Link of a driver of registers on SPI: the chip's own `Spi<Device>`, or
-/// SpiRegisters.
+/// Link of a driver on SPI: the chip's own `Spi<Device>`, or SpiRegisters.
 template <class Chip, hal::SpiDevice Device>
 struct SpiLinkOf {
   using Type = SpiRegisters<Device>;
@@ -92,6 +94,16 @@ struct SpiLinkOf<Chip, Device> {
 };
 template <class Chip, hal::SpiDevice Device>
 using SpiLink = typename SpiLinkOf<Chip, Device>::Type;
+
+/// Pause between two transactions on SPI.
+template <ChipEntry Chip>
+inline constexpr core::Duration kSpiPauseOf = [] {
+  if constexpr (requires { Chip::kSpiPause; }) {
+    return Chip::kSpiPause;
+  } else {
+    return core::Duration{};
+  }
+}();
 
 /// A chip that needs a file of its maker's at each start: Settings have `config_file`, its bytes,
 /// which must outlive the driver, and `takes_config_file(bytes)` whether one can be of this size.
@@ -113,9 +125,30 @@ template <RegisterChipEntry Chip>
 
 /// A chip of 32-bit frames, on SPI: `kAskIdentity`, a frame, and `is_identity(reply)`.
 template <class Chip>
-concept FrameChipEntry = ChipEntry<Chip> && requires(std::uint32_t reply) {
-  { Chip::kAskIdentity } -> std::convertible_to<std::uint32_t>;
+concept FrameChipEntry = ChipEntry<Chip> &&
+    std::same_as<decltype(Chip::kAskIdentity), const std::uint32_t> &&
+    requires(std::uint32_t reply) {
   { Chip::is_identity(reply) } -> std::same_as<bool>;
 };
+
+/// A chip of 16-bit words, on SPI: as FrameChipEntry, with words.
+template <class Chip>
+concept WordChipEntry = ChipEntry<Chip> &&
+    std::same_as<decltype(Chip::kAskIdentity), const std::uint16_t> &&
+    requires(std::uint16_t reply) {
+  { Chip::is_identity(reply) } -> std::same_as<bool>;
+};
+
+/// A chip whose reply to a question comes with the next one: frames or words.
+template <class Chip>
+concept LateChipEntry = FrameChipEntry<Chip> || WordChipEntry<Chip>;
+
+/// Identity of such a chip. The same question twice asks once more, for nothing.
+template <LateChipEntry Chip, class Bus>
+[[nodiscard]] auto ask_identity(Bus& bus) {
+  auto reply = bus.exchange(Chip::kAskIdentity);
+  if (reply) reply = bus.exchange(Chip::kAskIdentity);
+  return reply;
+}
 
 }  // namespace zerorate::drivers

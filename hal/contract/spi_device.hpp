@@ -22,9 +22,9 @@ namespace zerorate::hal {
 /// - An empty span succeeds and touches nothing.
 ///
 /// For authors of back ends:
-/// - Mode, clock, bit order and the sharing of the bus belong to you; the driver's README names the
-///   mode and the highest clock. Block until done or until a time limit of your own, then report
-///   BusError::timeout.
+/// - Mode, clock, bit order, the pause between two selections and the sharing of the bus belong to
+///   you; the driver's README names the mode, the highest clock and the pause, where it needs one.
+///   Block until done or until a time limit of your own, then report BusError::timeout.
 /// - Release chip select on every path. If both the transfer and the release fail, report the
 ///   transfer's error.
 /// - Must be callable from one thread at a time; not from an interrupt.

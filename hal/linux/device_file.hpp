@@ -8,11 +8,15 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
+#include <ctime>
 #include <string>
 #include <utility>
 
 #include "core/base/result.hpp"
+#include "core/base/time.hpp"
 #include "hal/linux/bus_error.hpp"
+#include "hal/linux/clock.hpp"
 
 namespace zerorate::hal::linux_os {
 
@@ -41,6 +45,14 @@ struct SystemCalls {
     bytes.l_start = first;
     bytes.l_len = count;
     return checked(::fcntl(descriptor, F_OFD_SETLK, &bytes));
+  }
+  static core::Instant now() { return KernelClock::now(); }
+  /// Sleeps until this time of now(); not at all if it has passed.
+  static void wait_until(core::Instant time) {
+    constexpr std::int64_t kSecond_ns = 1'000'000'000;
+    const timespec until{.tv_sec = time.ns() / kSecond_ns, .tv_nsec = time.ns() % kSecond_ns};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+    }
   }
 };
 

@@ -13,6 +13,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/result.hpp"
+#include "core/base/time.hpp"
 #include "hal/contract/bus_error.hpp"
 #include "hal/contract/bus_operation.hpp"
 #include "hal/contract/spi_device.hpp"
@@ -24,6 +25,7 @@ struct SpiSettings {
   std::string device;                  ///< e.g. "/dev/spidev0.0"
   std::uint32_t speed_hz = 1'000'000;  ///< at most this; the controller takes what it can
   std::uint8_t mode = 3;               ///< 0 to 3: bit 1 is CPOL, bit 0 is CPHA
+  core::Duration pause{};              ///< without selection between two transactions, at least
 };
 
 /// An SpiDevice: one SPI_IOC_MESSAGE(n) per transaction, so that the kernel holds chip select and
@@ -37,6 +39,8 @@ class SpidevDevice {
   explicit SpidevDevice(SpiSettings settings, System system = {})
       : speed_hz_(settings.speed_hz),
         mode_(settings.mode),
+        pause_(settings.pause),
+        system_(system),
         file_(std::move(settings.device), Subsystem::spi, std::move(system)) {}
 
   /// @param operations at most kMostOperations; together no more bytes than the kernel's
@@ -47,7 +51,11 @@ class SpidevDevice {
     if (!file_.is_open()) {
       if (const auto opened = open(); !opened) return opened;
     }
-    return transfer(operations);
+    if (pause_ == core::Duration{}) return transfer(operations);
+    system_.wait_until(ended_at_ + pause_);
+    const auto done = transfer(operations);
+    ended_at_ = system_.now();
+    return done;
   }
 
   /// See DeviceFile.
@@ -99,6 +107,9 @@ class SpidevDevice {
   std::uint32_t speed_hz_;
   std::uint8_t mode_;
   std::uint8_t bits_per_word_ = 8;
+  core::Duration pause_;
+  core::Instant ended_at_;  ///< the newest transaction
+  System system_;
   DeviceFile<System> file_;
 };
 static_assert(SpiDevice<SpidevDevice<>>);

@@ -1,6 +1,6 @@
 /// @file
-/// A simulated chip on its bus: as an SPI device, with registers or with 32-bit frames, or as the
-/// only device of an I2C bus.
+/// A simulated chip on its bus: as an SPI device, with registers, with 32-bit frames or with 16-bit
+/// words, or as the only device of an I2C bus.
 #pragma once
 
 #include <concepts>
@@ -108,6 +108,72 @@ class SimulatedFrameSpi {
   static constexpr std::size_t kBytes = 4;
   Chip* chip_;
 };
+
+/// - `select()` as chip select falls
+/// - `reply()` gives the word that is on the wire next
+/// - `take(word)` takes what was sent meanwhile
+/// - `refuse_clocks()` for a selection that was no whole number of words
+template <class Chip>
+concept WordChip = requires(Chip& chip, std::uint16_t word) {
+  { chip.select() } -> std::same_as<void>;
+  { chip.reply() } -> std::same_as<std::uint16_t>;
+  { chip.take(word) } -> std::same_as<void>;
+  { chip.refuse_clocks() } -> std::same_as<void>;
+};
+
+/// An SpiDevice: every two bytes under chip select are a word. The reply is on the wire before the
+/// word is known, so what is sent is heard only at its end.
+template <WordChip Chip>
+class SimulatedWordSpi {
+ public:
+  explicit SimulatedWordSpi(Chip& chip) : chip_(&chip) {}
+
+  core::Result<void, BusError> transaction(std::span<const Operation> operations) {
+    if (operations.empty()) return {};
+    chip_->select();
+    bytes_ = 0;
+    for (const Operation& operation : operations) {
+      for (std::size_t i = 0; i < operation.size(); ++i) {
+        const std::uint8_t received = exchange(operation.is_read() ? 0x00 : operation.bytes()[i]);
+        if (!operation.buffer().empty()) operation.buffer()[i] = received;
+      }
+    }
+    if (bytes_ % 2 != 0) chip_->refuse_clocks();
+    return {};
+  }
+
+ private:
+  std::uint8_t exchange(std::uint8_t sent) {
+    if (bytes_++ % 2 == 0) {
+      reply_ = chip_->reply();
+      sent_ = sent;
+      return static_cast<std::uint8_t>(reply_ >> 8U);
+    }
+    chip_->take(static_cast<std::uint16_t>((sent_ << 8U) | sent));
+    return static_cast<std::uint8_t>(reply_ & 0xFFU);
+  }
+
+  Chip* chip_;
+  std::size_t bytes_ = 0;
+  std::uint16_t reply_ = 0;
+  std::uint8_t sent_ = 0;
+};
+
+/// Device of a chip on SPI.
+template <class Chip>
+struct SpiDeviceOf {
+  using Type = SimulatedSpiDevice<Chip>;
+};
+template <FrameChip Chip>
+struct SpiDeviceOf<Chip> {
+  using Type = SimulatedFrameSpi<Chip>;
+};
+template <WordChip Chip>
+struct SpiDeviceOf<Chip> {
+  using Type = SimulatedWordSpi<Chip>;
+};
+template <class Chip>
+using SimulatedSpi = typename SpiDeviceOf<Chip>::Type;
 
 /// An I2cBus: the first byte written after a START is the register's address; reads go on from it.
 /// Any other device address is not acknowledged.

@@ -27,9 +27,11 @@ struct AsTestTypes<core::TypeList<First...>, core::TypeList<Second...>, Others..
 
 using GyrosWithFifo =
     AsTestTypes<support::WiringsWithFifo, support::WiringsWithAcceleration>::Joined;
-using AllGyros = AsTestTypes<support::WiringsWithFifo, support::WiringsWithAcceleration,
-                             support::WiringsWithoutFifo>::Joined;
-using GyrosWithAcceleration = AsTestTypes<support::WiringsWithAcceleration>::Joined;
+using AllGyros =
+    AsTestTypes<support::WiringsWithFifo, support::WiringsWithAcceleration,
+                support::WiringsWithAccelerationAlone, support::WiringsWithoutFifo>::Joined;
+using GyrosWithAcceleration =
+    AsTestTypes<support::WiringsWithAcceleration, support::WiringsWithAccelerationAlone>::Joined;
 
 /// A wiring's name in the test's name.
 struct WiringName {

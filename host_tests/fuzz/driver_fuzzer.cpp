@@ -82,8 +82,8 @@ void run(FuzzedDataProvider& input) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace zerorate::support;
   FuzzedDataProvider input(data, size);
-  constexpr int kWirings =
-      WiringsWithFifo::kSize + WiringsWithoutFifo::kSize + WiringsWithAcceleration::kSize;
+  constexpr int kWirings = WiringsWithFifo::kSize + WiringsWithoutFifo::kSize +
+                           WiringsWithAcceleration::kSize + WiringsWithAccelerationAlone::kSize;
   int left = input.ConsumeIntegralInRange<int>(0, kWirings - 1);
   const auto run_chosen = [&]<class Wiring> {
     if (left-- == 0) run<Wiring>(input);
@@ -91,5 +91,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   WiringsWithFifo::for_each(run_chosen);
   WiringsWithoutFifo::for_each(run_chosen);
   WiringsWithAcceleration::for_each(run_chosen);
+  WiringsWithAccelerationAlone::for_each(run_chosen);
   return 0;
 }

@@ -135,6 +135,20 @@ struct Icm20948WithAcceleration : WithAcceleration<Icm20948, drivers::icm20948::
       ConfiguredBits{0x03, 0xF0}};
 };
 
+/// Each burst has rates and forces.
+template <class Plain, class Line>
+struct AdisWithAcceleration : WithAcceleration<Plain, Line> {
+  static constexpr bool kCanLoseAcceleration = false;
+  static constexpr float kLsbG = static_cast<float>(Line::kUsualAccelerationRange_g) / 32000.0F;
+};
+struct Adis16470WithAcceleration : AdisWithAcceleration<Adis16470, drivers::adis16475::Chip> {
+  static constexpr const char* kName = "Adis16470WithAcceleration";
+};
+struct Adis16475Part2WithAcceleration
+    : AdisWithAcceleration<Adis16475Part2, drivers::adis16475::Adis16475Part2> {
+  static constexpr const char* kName = "Adis16475Part2WithAcceleration";
+};
+
 /// Two dies on one I2C bus. The gyro's samples come 55 ms later: the accelerometer needs so long.
 struct Bmi088WithAcceleration : WithAcceleration<Bmi088, drivers::bmi088::Chip> {
   static constexpr const char* kName = "Bmi088WithAcceleration";
@@ -167,7 +181,7 @@ struct OverI2cTwice {
   }
 };
 
-/// Their wirings.
+/// Their wirings, but for those of chips without a FIFO.
 using WiringsWithAcceleration =
     core::TypeList<OverSpi<Lsm6dsoWithAcceleration>, OverI2c<Lsm6dsoWithAcceleration>,
                    OverSpi<Lsm6dsv16xWithAcceleration>, OverSpi<Icm42688WithAcceleration>,
@@ -176,5 +190,7 @@ using WiringsWithAcceleration =
                    OverSpi<Bmi160WithAcceleration>, OverSpi<Icm20948WithAcceleration>,
                    OverSpi<Bmi270WithAcceleration>, OverI2c<Bmi270WithAcceleration>,
                    OverI2cTwice<Bmi088WithAcceleration>>;
+using WiringsWithAccelerationAlone =
+    core::TypeList<OverSpi<Adis16470WithAcceleration>, OverSpi<Adis16475Part2WithAcceleration>>;
 
 }  // namespace zerorate::support

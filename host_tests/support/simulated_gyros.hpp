@@ -10,13 +10,13 @@
 #include "core/base/compile_time.hpp"
 #include "core/base/time.hpp"
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
 #include "hal/testing/fault_injector.hpp"
 #include "host_tests/support/gyro_description.hpp"
 #include "host_tests/support/gyro_rig.hpp"
+#include "host_tests/support/simulated_analog_gyros.hpp"
 #include "host_tests/support/simulated_st_gyros.hpp"
 
 namespace zerorate::support {
@@ -303,41 +303,11 @@ struct Icm20948 {
   static constexpr core::Duration kLatest = core::Duration::milliseconds(104);
 };
 
-struct Adxrs453 {
-  static constexpr const char* kName = "Adxrs453";
-  using Simulated = hal::sim::SimulatedAdxrs453;
-  using Settings = drivers::adxrs453::Settings;
-  template <class Bus>
-  using Driver = drivers::Adxrs453<Bus>;
-
-  static constexpr Settings kDataReady{};
-  static constexpr Settings kFifo{.sample_period = core::Duration::milliseconds(10)};  // none
-  static constexpr std::array kRanges{Range<Settings>{{}, 1.0F / 80.0F, 299.0F}};
-  static constexpr float kLsbDps = 1.0F / 80.0F;
-  static constexpr float kFullScaleDps = 300.0F;
-  static constexpr std::int16_t kLowestRaw = -32000;
-  static constexpr float kTemperatureLsb = 0.2F;
-  static constexpr bool kFramesAreMarked = true;
-  static constexpr std::size_t kVerifyTransactions = 2;
-  static constexpr bool kIsSampledByReading = true;
-
-  static constexpr std::uint8_t kIdentity = 0x0C;
-  /// Nothing is configured; these are the serial number, which stands for the chip itself, and the
-  /// faults.
-  static constexpr std::array kConfigured{ConfiguredBits{0x0E, 0xFF}, ConfiguredBits{0x0F, 0xFF},
-                                          ConfiguredBits{0x10, 0xFF}, ConfiguredBits{0x11, 0xFF},
-                                          ConfiguredBits{0x0A, 0x0F}, ConfiguredBits{0x0B, 0xFE}};
-  /// 100 ms after power-on, and three times 50 ms.
-  static constexpr core::Duration kStartTime = core::Duration::milliseconds(250);
-  static constexpr core::Duration kEarliest{};
-  static constexpr core::Duration kLatest = core::Duration::milliseconds(10);
-};
-
 /// How a chip is attached.
 template <class G>
 struct OverSpi {
   using Gyro = G;
-  using Bus = hal::sim::SimulatedSpiDevice<typename G::Simulated>;
+  using Bus = hal::sim::SimulatedSpi<typename G::Simulated>;
   using Link = drivers::SpiLink<G, hal::testing::FaultInjector<Bus>>;
   using Driver = typename G::template Driver<Link>;
   static Bus attach(typename G::Simulated& chip) { return Bus{chip}; }
@@ -353,16 +323,6 @@ struct OverI2c {
   static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus, G::kAddress}; }
 };
 
-template <class G>
-struct OverFrames {
-  using Gyro = G;
-  using Bus = hal::sim::SimulatedFrameSpi<typename G::Simulated>;
-  using Link = drivers::SpiFrames<hal::testing::FaultInjector<Bus>>;
-  using Driver = typename G::template Driver<Link>;
-  static Bus attach(typename G::Simulated& chip) { return Bus{chip}; }
-  static Link link(hal::testing::FaultInjector<Bus>& bus) { return Link{bus}; }
-};
-
 /// Every chip with a FIFO in every wiring, or in one where it differs from another by its name.
 using WiringsWithFifo =
     core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
@@ -375,6 +335,7 @@ using WiringsWithFifo =
                    OverSpi<Icm20948>, OverI2c<Icm20948>, OverSpi<Bmi270>, OverI2c<Bmi270>>;
 /// The other chips.
 using WiringsWithoutFifo =
-    core::TypeList<OverFrames<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>>;
+    core::TypeList<OverSpi<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>, OverSpi<Adis16470>,
+                   OverSpi<Adis16475Part1>, OverSpi<Adis16475Part2>>;
 
 }  // namespace zerorate::support

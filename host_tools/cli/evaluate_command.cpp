@@ -16,6 +16,7 @@
 #include "host_tools/cli/terminal.hpp"
 #include "host_tools/lib/contest/learning.hpp"
 #include "host_tools/lib/contest/presentation.hpp"
+#include "host_tools/lib/evaluate/model_table.hpp"
 
 namespace zerorate::cli {
 namespace {
@@ -72,6 +73,24 @@ Contest run_watched(Contest (*contest)(const std::vector<std::filesystem::path>&
                  [&bar](double share) { bar.update(share); });
 }
 
+/// All models of the catalogue, but for those that no sensor has.
+ExitCode run_models(const evaluate::StopAndGo& traffic, const OutputOptions& outputs) {
+  std::vector<evaluate::ModelFigures> models;
+  {
+    ProgressBar bar{"models"};
+    for (const auto& entry : model::catalogue()) {
+      if (entry.name == "paper") continue;
+      bar.update(static_cast<double>(models.size()) /
+                 static_cast<double>(model::catalogue().size()));
+      models.push_back(
+          evaluate::figures_of(std::string{entry.name}, model::find_model(entry.name), traffic));
+    }
+  }
+  present(evaluate::present(models, traffic),
+          "zerorate " ZERORATE_VERSION ", zerorate evaluate models", outputs);
+  return success;
+}
+
 ExitCode run_evaluate(EvaluateOptions options) {
   for (const std::string& text : options.schedules) {
     options.contest.schedules.push_back(schedule_of(text));
@@ -93,11 +112,35 @@ ExitCode run_evaluate(EvaluateOptions options) {
   return success;
 }
 
+CLI::App* add_models(CLI::App& evaluate, evaluate::StopAndGo& traffic, OutputOptions& outputs) {
+  auto* models = evaluate.add_subcommand(
+      "models", "Noise, simulated heading drift and tolerances of all models of the catalogue");
+  models->add_option("--stop", traffic.stop_s, "length of each stop [s]")
+      ->check(CLI::Range(5.0, 3600.0))
+      ->capture_default_str();
+  models->add_option("--drive", traffic.drive_s, "length of each drive [s]")
+      ->check(CLI::Range(5.0, 7200.0))
+      ->capture_default_str();
+  models->add_option("--drives", traffic.drives, "simulated drives of each axis")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  add_output_options(*models, outputs);
+  models->footer(
+      "Examples:\n"
+      "  zerorate evaluate models\n"
+      "  zerorate evaluate models --stop 60 --drive 600 --json -\n"
+      "What the columns mean, and the table of today: docs/chips/which-chip.md.");
+  return models;
+}
+
 }  // namespace
 
 Command add_evaluate(CLI::App& app) {
   auto* command = app.add_subcommand(
-      "evaluate", "Compare bias predictors on drives cut out of recordings at rest");
+      "evaluate", "Compare bias predictors on drives cut out of recordings at rest, and models");
+  const auto traffic = std::make_shared<evaluate::StopAndGo>();
+  const auto models_outputs = std::make_shared<OutputOptions>();
+  auto* models = add_models(*command, *traffic, *models_outputs);
   const auto options = std::make_shared<EvaluateOptions>();
   auto* drives = command->add_subcommand(
       "drives", "Heading drift and interval of each predictor, by lengths of stop and drive");
@@ -167,7 +210,10 @@ Command add_evaluate(CLI::App& app) {
       "  zerorate evaluate drives run*.csv.gz --schedules 30/120,60/300 --seeds 20 --json -\n"
       "  zerorate evaluate drives rest.csv --fit-on itself --report drives.html\n"
       "  zerorate evaluate drives run*.csv.gz --learn adis16405 --white-factor 1,3,0.333");
-  return {command, [options] { return run_evaluate(*options); }};
+  return {command, [=] {
+            return models->parsed() ? run_models(*traffic, *models_outputs)
+                                    : run_evaluate(*options);
+          }};
 }
 
 }  // namespace zerorate::cli

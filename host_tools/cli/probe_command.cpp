@@ -46,7 +46,9 @@ Command add_probe(CLI::App& app) {
       "  zerorate probe --spi /dev/spidev0.0 --i2c /dev/i2c-1 --json\n"
       "Reads identity registers and changes none. Lists every place where it looked, with what\n"
       "came back; exit code 1 where no gyro answers. Stop zerorated first: a chip that answers\n"
-      "one question with the next (adxrs453) would answer the wrong one.");
+      "one question with the next (adxrs453) would answer the wrong one. Where no other chip is\n"
+      "found on SPI, ADIS16470 and ADIS16475 are asked; a chip with 8-bit registers that is not\n"
+      "in the table would take that for a write of 0 to register 72h.");
   return {command, [flags] { return run_probe(*flags); }};
 }
 

@@ -15,7 +15,6 @@
 #include "core/noise/modes.hpp"
 #include "core/noise/terms.hpp"
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/app/node_loop.hpp"
@@ -167,13 +166,8 @@ template <class Gyro, class Link>
 
 template <class Chip>
 void exercise_driver() {
-  if constexpr (drivers::RegisterChipEntry<Chip>) {
-    using Link = drivers::SpiLink<Chip, SomeSpi>;
-    exercise_on<typename Chip::template Driver<Link>>(Link{spi});
-  } else {
-    using Link = drivers::SpiFrames<SomeSpi>;
-    exercise_on<typename Chip::template Driver<Link>>(Link{spi});
-  }
+  using Link = drivers::SpiLink<Chip, SomeSpi>;
+  exercise_on<typename Chip::template Driver<Link>>(Link{spi});
 }
 
 void exercise_drivers() {

@@ -2,10 +2,7 @@
 /// The pins of the Pico, and the gyro of this image on its bus: SPI, or I2C.
 #pragma once
 
-#include <type_traits>
-
 #include "drivers/common/chip.hpp"
-#include "drivers/common/frame_bus.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/app/snapshot.hpp"
 #include "firmware/boards/pico/node.hpp"
@@ -37,8 +34,8 @@ inline void start_bus() {
 }
 #else
 using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi>;
-using Wire = std::conditional_t<drivers::FrameChipEntry<Chip>, drivers::SpiFrames<Bus>,
-                                drivers::SpiLink<Chip, Bus>>;
+using Wire = drivers::SpiLink<Chip, Bus>;
+static_assert(drivers::kSpiPauseOf<Chip> == core::Duration{}, "Spi0Device makes no pauses");
 inline constexpr auto kSpiMode =
     Chip::kSpiMode == 0 ? hal::rp2040::SpiMode::mode_0 : hal::rp2040::SpiMode::mode_3;
 inline void start_bus() {

@@ -23,6 +23,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "hal/sim/buses.hpp"
 #include "hal/sim/chips.hpp"
 #include "hal/sim/clock.hpp"
 #include "hal/sim/register_chip.hpp"
@@ -117,8 +118,10 @@ int run(std::span<char*> arguments) {
   bool is_known = false;
   const auto serve_if_named = [&]<class Chip> {
     if (chip != Chip::kName) return;
-    is_known = true;
-    serve<Chip>(requests, replies);
+    if constexpr (!hal::sim::WordChip<Chip>) {  // no image has a chip of words
+      is_known = true;
+      serve<Chip>(requests, replies);
+    }
   };
   hal::sim::AllSimulatedChips::for_each(serve_if_named);
   serve_if_named.template operator()<Mpu6050>();

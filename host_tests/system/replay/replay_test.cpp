@@ -45,6 +45,7 @@ constexpr std::array kChips{ChipUnderTest{"lsm6dso", 8.75e-3, kRates},
                             ChipUnderTest{"bmi270", 1.0 / 131.072, kRates},
                             ChipUnderTest{"icm20948", 1.0 / 131.072, kRates},
                             ChipUnderTest{"bmi088", 1.0 / 131.072, kRates},
+                            ChipUnderTest{"adis16475-1", 1.0 / 160.0, kRates},
                             ChipUnderTest{"adxrs453", 1.0 / 80.0, kOneRate, false}};
 
 void expect_identical(const Replayed& a, const Replayed& b) {
@@ -139,9 +140,9 @@ TEST(ReplayThroughEveryChip, GivesItTheAcceleration) {
       const auto& measured = chip.messages[k].acceleration;
       ASSERT_EQ(measured.has_value(), under_test.has_accelerometer && k != kLost) << k;
       for (std::size_t axis = 0; axis < 3 && measured; ++axis) {
-        // Half an LSB of the widest usual range, 6 g of the BMI088, and single precision.
+        // Half of the coarsest LSB, a quarter of a mg of the ADIS16475, and single precision.
         ASSERT_NEAR(measured->at(axis).in(core::m_per_s2), rows[k].acceleration_m_s2[axis],
-                    0.5 * 9.80665 * 6.0 / 32768.0 + 1e-6);
+                    0.5 * 9.80665 * 0.25e-3 + 1e-6);
       }
     }
   }

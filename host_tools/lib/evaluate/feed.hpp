@@ -84,7 +84,9 @@ class ChipFeed {
   [[nodiscard]] app::LoopCounters counters() const { return loop_.counters(); }
 
  private:
-  static constexpr core::Duration kStartUp = core::Duration::milliseconds(500);
+  /// More than the slowest chip needs, 656 ms of the ADIS16475, and less than the second without
+  /// samples after which the loop starts a chip again.
+  static constexpr core::Duration kStartUp = core::Duration::milliseconds(800);
   static constexpr core::Duration kPoll = core::Duration::milliseconds(1);
 
   struct LatestMessage {

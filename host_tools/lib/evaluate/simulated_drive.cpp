@@ -100,13 +100,17 @@ SimulatedDrive simulate_drive(const SimulatedDriveParams& params) {
   return {std::move(motion), std::move(rest)};
 }
 
+std::array<std::vector<double>, 3> simulate_rest(const SimulatedRestParams& params) {
+  const auto size = static_cast<std::size_t>(params.duration_s * params.sample_rate_hz);
+  return rates_at_rest(params.model, size, 1.0 / params.sample_rate_hz,
+                       random::RandomStream{params.seed}, {});
+}
+
 void write_simulated_rest(const SimulatedRestParams& params, const std::filesystem::path& path) {
   const double period_s = 1.0 / params.sample_rate_hz;
-  const auto size = static_cast<std::size_t>(params.duration_s * params.sample_rate_hz);
-  const AxisRates rest =
-      rates_at_rest(params.model, size, period_s, random::RandomStream{params.seed}, {});
+  const AxisRates rest = simulate_rest(params);
   recording::Writer writer{path, {}};
-  for (std::size_t k = 0; k < size; ++k) {
+  for (std::size_t k = 0; k < rest[0].size(); ++k) {
     writer.write({.time_ns = time_ns(k, period_s),
                   .rate_rad_s = {static_cast<float>(rest[0][k]), static_cast<float>(rest[1][k]),
                                  static_cast<float>(rest[2][k])}});

@@ -62,6 +62,9 @@ struct SimulatedRestParams {
   std::uint64_t seed = 1;
 };
 
+/// Rates of three axes at rest [rad/s], as write_simulated_rest() writes them.
+[[nodiscard]] std::array<std::vector<double>, 3> simulate_rest(const SimulatedRestParams& params);
+
 /// Writes a recording of three axes at rest. Each has its own noise and a constant bias of the
 /// order of 1 deg/s. Throws recording::Error.
 void write_simulated_rest(const SimulatedRestParams& params, const std::filesystem::path& path);

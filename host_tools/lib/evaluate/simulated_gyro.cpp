@@ -9,7 +9,7 @@
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/acceleration.hpp"
 #include "drivers/common/any_gyro.hpp"
-#include "drivers/common/frame_bus.hpp"
+#include "drivers/common/chip.hpp"
 #include "drivers/common/register_access.hpp"
 #include "hal/sim/accelerometer.hpp"
 #include "hal/sim/buses.hpp"
@@ -70,9 +70,9 @@ std::unique_ptr<SimulatedGyro> assemble(const hal::sim::SimulatedClock& clock, L
 }
 
 template <class Simulated>
-using SpiOf = hal::sim::SimulatedSpiDevice<Simulated>;
+using SpiOf = hal::sim::SimulatedSpi<Simulated>;
 template <class Chip, class Simulated>
-constexpr auto kRegisters =
+constexpr auto kLink =
     [](SpiOf<Simulated>& device) { return drivers::SpiLink<Chip, SpiOf<Simulated>>{device}; };
 
 /// Settings of the driver, with the file that the simulated chip takes.
@@ -102,7 +102,7 @@ std::unique_ptr<SimulatedGyro> make_with_acceleration(const hal::sim::SimulatedC
         clock, link, settings, range);
   } else {
     return assemble<Simulated, SpiOf<Simulated>, Chip::template DriverWithAcceleration>(
-        clock, kRegisters<Chip, Simulated>, settings, range);
+        clock, kLink<Chip, Simulated>, settings, range);
   }
 }
 
@@ -112,17 +112,13 @@ std::unique_ptr<SimulatedGyro> make(const hal::sim::SimulatedClock& clock,
   if constexpr (drivers::AccelerometerChipEntry<Chip>) {
     if (reads_accelerometer) return make_with_acceleration<Chip, Simulated>(clock);
   }
-  if constexpr (drivers::RegisterChipEntry<Chip>) {
-    return assemble<Simulated, SpiOf<Simulated>, Chip::template Driver>(
-        clock, kRegisters<Chip, Simulated>, usual_settings<Chip, Simulated>());
-  } else {
-    using Device = hal::sim::SimulatedFrameSpi<Simulated>;
+  auto settings = usual_settings<Chip, Simulated>();
+  if constexpr (drivers::FrameChipEntry<Chip>) {
     // The chip has no rate of its own; shorter than any recording's, each row is due.
-    const auto settings =
-        Chip::settings(core::Duration::microseconds(1), Chip::kFullScales[0].code, false);
-    return assemble<Simulated, Device, Chip::template Driver>(
-        clock, [](Device& device) { return drivers::SpiFrames{device}; }, settings);
+    settings.sample_period = core::Duration::microseconds(1);
   }
+  return assemble<Simulated, SpiOf<Simulated>, Chip::template Driver>(clock, kLink<Chip, Simulated>,
+                                                                      settings);
 }
 
 /// Adds the line of a chip that has a simulated one.

@@ -5,6 +5,7 @@
 /// keep their settings.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@
 #include <vector>
 
 #include "drivers/chips/chips.hpp"
-#include "drivers/common/frame_bus.hpp"
+#include "drivers/common/chip.hpp"
 #include "drivers/common/register_access.hpp"
 #include "hal/linux/i2c_dev.hpp"
 #include "hal/linux/iio_device.hpp"
@@ -45,12 +46,10 @@ Attempt ask(Bus bus) {
           .answer = in_hexadecimal(*identity)};
 }
 
-/// The reply to a frame comes with the next one; the same frame twice asks once more, for nothing.
-template <drivers::FrameChipEntry Chip, drivers::FrameBus Bus>
+template <drivers::LateChipEntry Chip, class Bus>
 Attempt ask(Bus bus) {
   Attempt attempt{.chip = Chip::kName};
-  auto reply = bus.exchange(Chip::kAskIdentity);
-  if (reply) reply = bus.exchange(Chip::kAskIdentity);
+  const auto reply = drivers::ask_identity<Chip>(bus);
   if (!reply) {
     attempt.answer = std::string{hal::name(reply.error())};
     return attempt;
@@ -62,27 +61,32 @@ Attempt ask(Bus bus) {
 
 }  // namespace detail
 
-/// Asks all chips, on one chip select. At 1 MHz, which all of them take; one transaction a chip
-/// with registers, two a chip of frames.
+/// Asks the chips on one chip select, at 1 MHz, which all of them take; one transaction a chip with
+/// registers, two a chip of frames or words.
+///
+/// Chips with registers come first: to a chip of frames, their questions are broken frames. Chips
+/// of words come last, and only where no other chip was found: to a chip with 8-bit registers their
+/// question is a write of 0 to register 72h.
 /// @param device  e.g. "/dev/spidev0.0"
 template <class System = hal::linux_os::SystemCalls>
 std::vector<Attempt> probe_spi(const std::string& device, System system = {}) {
   using Spi = hal::linux_os::SpidevDevice<System>;
   std::vector<Attempt> attempts;
-  // Chips with registers first: to a chip of frames, their questions are broken frames.
+  const auto ask = [&]<class Chip> {
+    constexpr std::uint32_t kSpeed_hz = 1'000'000;
+    Spi spi{{device, kSpeed_hz, Chip::kSpiMode, drivers::kSpiPauseOf<Chip>}, system};
+    attempts.push_back(detail::ask<Chip>(drivers::SpiLink<Chip, Spi>{spi}));
+    attempts.back().error_number = spi.error_number();
+  };
   drivers::AllChips::for_each([&]<class Chip> {
-    if constexpr (drivers::RegisterChipEntry<Chip>) {
-      Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
-      attempts.push_back(detail::ask<Chip>(drivers::SpiLink<Chip, Spi>{spi}));
-      attempts.back().error_number = spi.error_number();
-    }
+    if constexpr (drivers::RegisterChipEntry<Chip>) ask.template operator()<Chip>();
   });
   drivers::AllChips::for_each([&]<class Chip> {
-    if constexpr (drivers::FrameChipEntry<Chip>) {
-      Spi spi{{.device = device, .mode = Chip::kSpiMode}, system};
-      attempts.push_back(detail::ask<Chip>(drivers::SpiFrames{spi}));
-      attempts.back().error_number = spi.error_number();
-    }
+    if constexpr (drivers::FrameChipEntry<Chip>) ask.template operator()<Chip>();
+  });
+  if (std::ranges::any_of(attempts, &Attempt::is_found)) return attempts;
+  drivers::AllChips::for_each([&]<class Chip> {
+    if constexpr (drivers::WordChipEntry<Chip>) ask.template operator()<Chip>();
   });
   return attempts;
 }

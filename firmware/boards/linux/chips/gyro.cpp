@@ -13,7 +13,7 @@
 
 #include "drivers/chips/chips.hpp"
 #include "drivers/common/any_gyro.hpp"
-#include "drivers/common/frame_bus.hpp"
+#include "drivers/common/chip.hpp"
 #include "drivers/common/register_access.hpp"
 #include "firmware/boards/linux/chips/iio_gyro.hpp"
 #include "hal/linux/i2c_dev.hpp"
@@ -53,18 +53,16 @@ Bytes read_config_file(const std::string& path) {
       path, std::to_string(bytes.size()) + " bytes cannot be the file of this chip", kCure);
 }
 
-template <class Chip, drivers::RegisterBus Bus>
+template <drivers::RegisterChipEntry Chip, drivers::RegisterBus Bus>
 std::optional<std::uint32_t> identity_of(Bus bus) {
   const auto identity = drivers::read_register(bus, Chip::kIdentity);
   if (!identity) return std::nullopt;
   return *identity;
 }
 
-/// The reply to a frame comes with the next one.
-template <class Chip, drivers::FrameBus Bus>
+template <drivers::LateChipEntry Chip, class Bus>
 std::optional<std::uint32_t> identity_of(Bus bus) {
-  auto reply = bus.exchange(Chip::kAskIdentity);
-  if (reply) reply = bus.exchange(Chip::kAskIdentity);
+  const auto reply = drivers::ask_identity<Chip>(bus);
   if (!reply) return std::nullopt;
   return *reply;
 }
@@ -76,6 +74,10 @@ constexpr const char* kNoFile = "config_file of [gyro] is missing, which the chi
 constexpr const char* kNoAccelerometer =
     "the gyro answers, but its accelerometer gives another identity or none (is it wired? see "
     "accelerometer_address and accelerometer_device; or leave acceleration out)";
+
+constexpr const char* kAnotherModel =
+    "the chip is of the right family, but another model, with another full scale: see chip of "
+    "[gyro]";
 
 /// @tparam Link  makes from a wire what the driver talks through
 template <class Chip, class Wire, class Link, class Driver>
@@ -100,6 +102,11 @@ class BoundGyro final : public drivers::ErasedGyro<Wire, Driver, DeviceGyro> {
         if (reason.identity == Chip::kIdentity.reset) reason.told = kNoAccelerometer;
       } else {
         reason.identity = identity_of<Chip>(link);
+      }
+      if constexpr (drivers::WordChipEntry<Chip>) {
+        const bool is_it =
+            reason.identity && Chip::is_identity(static_cast<std::uint16_t>(*reason.identity));
+        if (is_it) reason.told = kAnotherModel;
       }
     }
     if constexpr (drivers::ConfigFileChipEntry<Chip>) {
@@ -192,7 +199,8 @@ std::unique_ptr<DeviceGyro> make(const GyroSettings& wanted) {
   if constexpr (drivers::TwoDieChipEntry<Chip>) {
     if (wanted.acceleration_range_g) return make_both<Chip>(wanted);
   }
-  const hal::linux_os::SpiSettings spi{wanted.device, wanted.speed_hz, Chip::kSpiMode};
+  const hal::linux_os::SpiSettings spi{wanted.device, wanted.speed_hz, Chip::kSpiMode,
+                                       drivers::kSpiPauseOf<Chip>};
   if constexpr (drivers::RegisterChipEntry<Chip>) {
     if (wanted.bus == BusKind::i2c) {
       const hal::I2cAddress address{wanted.address};
@@ -203,12 +211,9 @@ std::unique_ptr<DeviceGyro> make(const GyroSettings& wanted) {
           },
           wanted.device);
     }
-    return bind<Chip, Spi>(
-        wanted, [](Spi& wire) { return drivers::SpiLink<Chip, Spi>{wire}; }, spi);
-  } else {
-    return bind<Chip, Spi>(
-        wanted, [](Spi& wire) { return drivers::SpiFrames{wire}; }, spi);
   }
+  return bind<Chip, Spi>(
+      wanted, [](Spi& wire) { return drivers::SpiLink<Chip, Spi>{wire}; }, spi);
 }
 
 template <const auto& Choices>

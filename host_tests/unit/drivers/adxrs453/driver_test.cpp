@@ -94,7 +94,7 @@ namespace {
 
 using core::deg_per_s;
 using hal::testing::Fault;
-using Rig = support::GyroRig<support::OverFrames<support::Adxrs453>>;
+using Rig = support::GyroRig<support::OverSpi<support::Adxrs453>>;
 
 support::Rates about_z(float dps) {
   return {core::AngularRate{}, core::AngularRate{}, deg_per_s(dps)};

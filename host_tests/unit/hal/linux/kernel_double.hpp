@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/time.hpp"
 #include "hal/contract/bus_operation.hpp"
 #include "hal/contract/i2c_bus.hpp"
 #include "hal/linux/device_file.hpp"
@@ -45,6 +46,8 @@ struct KernelState {
   int spi_mode = -1;
   int spi_bits = -1;
   std::uint32_t spi_speed_hz = 0;
+  core::Instant now;                  ///< moved by waiting alone
+  std::vector<core::Duration> waits;  ///< those that were not over when they began
   std::vector<spi_ioc_transfer> last_spi;
   std::vector<i2c_msg> last_i2c;
 };
@@ -70,6 +73,12 @@ class KernelDouble {
     if (state_->is_reserved) return core::Unexpected{EAGAIN};
     state_->locks.push_back(first);
     return 0;
+  }
+  [[nodiscard]] core::Instant now() const { return state_->now; }
+  void wait_until(core::Instant time) {
+    if (time <= state_->now) return;
+    state_->waits.push_back(time - state_->now);
+    state_->now = time;
   }
   CallResult ioctl(int descriptor, unsigned long request, void* argument) {
     EXPECT_EQ(descriptor, KernelState::kDescriptor);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -40,7 +41,7 @@ std::size_t questions_on_i2c() {
   return questions;
 }
 
-/// One transaction a chip with registers, two a chip of frames.
+/// One transaction a chip with registers, two a chip of frames or words.
 int questions_on_spi() {
   int questions = 0;
   drivers::AllChips::for_each(
@@ -57,10 +58,11 @@ std::set<std::string> found_on_spi(Device& device) {
 }
 
 template <class Chip>
-std::set<std::string> found_registers_on_spi() {
+std::set<std::string> found_chip_on_spi() {
   hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
   Chip chip{clock};
-  hal::sim::SimulatedSpiDevice<Chip> device{chip};
+  clock.advance(core::Duration::seconds(1));  // until they are powered some read no registers
+  hal::sim::SimulatedSpi<Chip> device{chip};
   return found_on_spi(device);
 }
 
@@ -69,22 +71,53 @@ TEST(ProbeOfSpi, NamesTheChipAndNoneThatAnswersOtherwise) {
   const std::vector<std::set<std::string>> alike{{"asm330lhh", "ism330dhcx", "lsm6dsr"},
                                                  {"lsm6dso", "lsm6dsox"},
                                                  {"lsm6ds3tr-c", "lsm6dsl"},
+                                                 {"adis16475-1", "adis16475-2", "adis16475-3"},
                                                  {"icm20689", "mpu6500"}};
   hal::sim::AllSimulatedChips::for_each([&]<class Chip> {
-    if constexpr (hal::sim::RegisterChip<Chip>) {
-      const std::string name{Chip::kName};
-      std::set<std::string> expected{name};
-      for (const auto& names : alike) {
-        if (name != "mpu6500" && names.contains(name)) expected = names;
-      }
-      EXPECT_EQ(found_registers_on_spi<Chip>(), expected);
+    const std::string name{Chip::kName};
+    std::set<std::string> expected{name};
+    for (const auto& names : alike) {
+      if (name != "mpu6500" && names.contains(name)) expected = names;
+    }
+    EXPECT_EQ(found_chip_on_spi<Chip>(), expected);
+  });
+}
+
+/// Calls with the first byte of each question to a chip select.
+template <class Device>
+void probe_and_see(Device& device, const std::function<void(std::uint8_t)>& see) {
+  KernelState kernel;
+  kernel.spi_device = [&](std::span<const hal::Operation> operations) {
+    see(operations[0].bytes()[0]);
+    (void)device.transaction(operations);
+  };
+  (void)probe_spi("/dev/spidev0.0", KernelDouble{kernel});
+}
+
+TEST(ProbeOfSpi, WritesToNoChipWithRegistersThatItFinds) {
+  hal::sim::AllSimulatedChips::for_each([&]<class Chip> {
+    if constexpr (!hal::sim::WordChip<Chip>) {
+      hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
+      Chip chip{clock};
+      clock.advance(core::Duration::seconds(1));
+      hal::sim::SimulatedSpi<Chip> device{chip};
+      probe_and_see(device,
+                    [&](std::uint8_t first) { EXPECT_NE(first & 0x80U, 0U) << Chip::kName; });
     }
   });
+}
+
+TEST(ProbeOfSpi, AsksChipsOfWordsAfterAllOthers) {
   hal::sim::SimulatedClock clock{core::Instant::from_ns(0)};
-  hal::sim::SimulatedAdxrs453 chip{clock};
-  clock.advance(core::Duration::seconds(1));  // until it is powered it reads no registers
-  hal::sim::SimulatedFrameSpi<hal::sim::SimulatedAdxrs453> device{chip};
-  EXPECT_EQ(found_on_spi(device), std::set<std::string>{"adxrs453"});
+  hal::sim::SimulatedAdis16470 chip{clock};
+  hal::sim::SimulatedWordSpi device{chip};
+  bool has_asked_for_words = false;
+  probe_and_see(device, [&](std::uint8_t first) {
+    const bool is_of_words = first == 0x72;
+    EXPECT_TRUE(is_of_words || (!has_asked_for_words && (first & 0x80U) != 0)) << int{first};
+    has_asked_for_words |= is_of_words;
+  });
+  EXPECT_TRUE(has_asked_for_words);
 }
 
 TEST(ProbeOfSpi, FindsNothingOnAStuckLine) {
@@ -128,11 +161,8 @@ TEST(ProbeOfI2c, WritesNothingButTheAddressOfTheRegister) {
   EXPECT_EQ(kernel.transfers, static_cast<int>(questions_on_i2c()));
 }
 
-TEST(ProbeOfSpi, SetsTheReadBitInEveryFirstByte) {
+TEST(ProbeOfSpi, AsksEachChipOnceWhereNoneAnswers) {
   KernelState kernel;
-  kernel.spi_device = [](std::span<const hal::Operation> operations) {
-    EXPECT_NE(operations[0].bytes()[0] & 0x80U, 0U);
-  };
   (void)probe_spi("/dev/spidev0.0", KernelDouble{kernel});
   EXPECT_EQ(kernel.transfers, questions_on_spi());
 }
