@@ -76,9 +76,20 @@ struct RestOptions {
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});
 
+/// End of a sentence about too short a rest: the share of the rows that motion took, and what to
+/// do; empty where it was less than half. An encoder that chatters leaves no stop of the whole
+/// drive.
+[[nodiscard]] std::string because_of_motion(const RestSamples& samples);
+
 /// Samples, by index, that stand alone or in runs of up to five, 20 standard deviations of the
 /// white noise around them away: no noise of a gyro. Ascending.
 [[nodiscard]] std::vector<std::size_t> find_outliers(const RestSamples& samples);
+
+/// Samples, by index, of half seconds whose mean lies 10 standard deviations from the median of the
+/// sixteen around them: wild values in longer runs, or at the start and the end. The deviation is
+/// that of most means. None where they are more than 5 %, which is the nature of the recording, and
+/// below 64 half seconds. Ascending.
+[[nodiscard]] std::vector<std::size_t> find_wild_stretches(const RestSamples& samples);
 
 /// The samples without some of them.
 /// @param indices  ascending
