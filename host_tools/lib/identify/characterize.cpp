@@ -307,22 +307,10 @@ RestSamples measurements_of(const RestSamples& all) {
   return without(std::move(rest), wild);
 }
 
-namespace {
-
-/// Where motion took most of the rows, the reason for too short a rest is its source.
-void require_rest_besides_motion(const RestSamples& samples, std::size_t ticks) {
-  const std::string reason = because_of_motion(samples);
-  if (ticks >= kFewestForWhittle || reason.empty()) return;
-  throw recording::DataError(fmt::format(
-      "too short to identify noise: {} filter ticks at rest, and 64 are needed{}", ticks, reason));
-}
-
-}  // namespace
-
 Characterization characterize(const RestSamples& all, const CharacterizeOptions& options) {
   const RestSamples samples = measurements_of(all);
   const auto [tick, ticks] = Ticks(samples, options);
-  require_rest_besides_motion(samples, ticks.size());
+  require_besides_motion(samples, ticks.size(), kFewestForWhittle, "filter ticks at rest");
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,
                           .rows_moving = samples.moving,

@@ -43,8 +43,8 @@ class LevelCheck {
 
   void halve();
 
-  std::vector<std::vector<double>> means_;  ///< of each axis [rad/s]
-  std::vector<double> sums_;                ///< of the mean that is not complete [rad/s]
+  std::vector<std::vector<double>> means_;  ///< means of each axis [rad/s]
+  std::vector<double> sums_;                ///< sums of the mean that is not complete [rad/s]
   std::size_t summed_ = 0;                  ///< samples in these sums
   std::size_t together_ = 1;                ///< samples of a mean
 };

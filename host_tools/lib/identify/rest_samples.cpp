@@ -190,6 +190,16 @@ void leave_out_wild_start(RestSamples& samples) {
   samples.wild = wild;
 }
 
+/// End of a sentence about too short a rest; empty where motion took less than half of the rows.
+std::string share_of_motion(const RestSamples& samples) {
+  if (2 * samples.moving < samples.rows) return "";
+  return fmt::format(
+      ". {} of {} rows were left out because the vehicle moved; where the odometer counts at rest, "
+      "as "
+      "an encoder that chatters does, --still-from gyro takes the calm of the gyro",
+      samples.moving, samples.rows);
+}
+
 /// Throws recording::DataError where too little is left.
 void require_samples(const RestSamples& samples) {
   if (const std::uint64_t used = samples.rows - samples.lost; 2 * used < samples.rows) {
@@ -202,19 +212,18 @@ void require_samples(const RestSamples& samples) {
   }
   if (samples.time.size() < 2) {
     throw recording::DataError("the recording has fewer than two usable samples at rest" +
-                               because_of_motion(samples));
+                               share_of_motion(samples));
   }
 }
 
 }  // namespace
 
-std::string because_of_motion(const RestSamples& samples) {
-  if (2 * samples.moving < samples.rows) return "";
-  return fmt::format(
-      ". {} of {} rows were left out because the vehicle moved; where the odometer counts at rest, "
-      "as "
-      "an encoder that chatters does, --still-from gyro takes the calm of the gyro",
-      samples.moving, samples.rows);
+void require_besides_motion(const RestSamples& samples, std::size_t found, std::size_t needed,
+                            std::string_view what) {
+  const std::string reason = share_of_motion(samples);
+  if (found >= needed || reason.empty()) return;
+  throw recording::DataError(
+      fmt::format("too short a rest: {} {}, and {} are needed{}", found, what, needed, reason));
 }
 
 RestSamples without(RestSamples rest, const std::vector<std::size_t>& indices) {

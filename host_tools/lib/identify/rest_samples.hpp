@@ -76,10 +76,12 @@ struct RestOptions {
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});
 
-/// End of a sentence about too short a rest: the share of the rows that motion took, and what to
-/// do; empty where it was less than half. An encoder that chatters leaves no stop of the whole
-/// drive.
-[[nodiscard]] std::string because_of_motion(const RestSamples& samples);
+/// Throws recording::DataError where fewer are found than needed and motion took most of the rows:
+/// the sentence then names its share and what to do. An encoder that chatters leaves no stop of a
+/// whole drive.
+/// @param what  is found, such as "filter ticks at rest"
+void require_besides_motion(const RestSamples& samples, std::size_t found, std::size_t needed,
+                            std::string_view what);
 
 /// Samples, by index, that stand alone or in runs of up to five, 20 standard deviations of the
 /// white noise around them away: no noise of a gyro. Ascending.

@@ -12,7 +12,7 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr double kVarianceOfRounding = 1.0 / 12.0;  // of a step squared
+constexpr double kVarianceOfRounding = 1.0 / 12.0;  // share of a step squared
 
 /// Variance of a normal value that is rounded to whole numbers.
 double variance_of_rounded(double mean, double sigma) {

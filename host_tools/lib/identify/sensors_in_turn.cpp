@@ -57,9 +57,7 @@ class Changes {
   Changes(const RestSamples& samples, std::size_t axis)
       : samples_(samples), axis_(axis), size_(std::min(samples.time.size(), kMost)) {
     constexpr double kFar = 8.0;  // medians
-    std::vector<double> sizes;
-    for (std::size_t k = 1; k < size_; ++k) sizes.push_back(size_of(k, 1));
-    limit_ = kFar * statistics::median_of(std::move(sizes));
+    limit_ = kFar * median(1);
   }
 
   /// How much more the samples 2 pair + 1 apart differ than those 2 pair + 2 apart [rad^2/s^2].
@@ -75,6 +73,11 @@ class Changes {
     return sum / static_cast<double>(size_ - lag);
   }
   [[nodiscard]] double size() const { return static_cast<double>(size_); }
+  [[nodiscard]] double median(std::size_t lag) const {
+    std::vector<double> sizes;
+    for (std::size_t k = lag; k < size_; ++k) sizes.push_back(size_of(k, lag));
+    return statistics::median_of(std::move(sizes));
+  }
 
  private:
   static constexpr std::size_t kMost = 100'000;
@@ -116,6 +119,21 @@ std::optional<double> distance_of_levels(const RestSamples& samples, std::size_t
   return std::sqrt(2.0 * first / (kept + kept * kept));
 }
 
+/// Typical change from sample to sample where it is larger than that over two samples, and no tone
+/// reverses this over more; nullopt otherwise [rad/s].
+std::optional<double> change_of_turns(const RestSamples& samples, std::size_t axis) {
+  constexpr double kLarger = 1.25;
+  constexpr std::size_t kPairs = 32;
+  const Changes changes{samples, axis};
+  const double change = changes.median(1);
+  if (!(change > kLarger * changes.median(2))) return std::nullopt;
+  const double reversal = -0.5 * std::abs(changes.contrast(0));
+  for (std::size_t pair = 1; pair < kPairs; ++pair) {
+    if (changes.contrast(pair) < reversal) return std::nullopt;
+  }
+  return change;
+}
+
 }  // namespace
 
 std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
@@ -138,7 +156,8 @@ std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
       }
       double distance_rad_s = 0.5 * sum_rad_s / static_cast<double>(judged);
       if (2 * different <= judged) {
-        const auto alternating = sensors == 2 ? distance_of_levels(samples, axis) : std::nullopt;
+        auto alternating = sensors == 2 ? distance_of_levels(samples, axis) : std::nullopt;
+        if (sensors == 2 && !alternating) alternating = change_of_turns(samples, axis);
         if (!alternating) continue;
         distance_rad_s = *alternating;
       }

@@ -126,7 +126,7 @@ bool OrderedRows::is_wrap() {
   return true;
 }
 
-/// Of several ranges the one with the shortest interval over its end.
+/// Chooses of several ranges the one with the shortest interval over its end.
 std::optional<std::int64_t> OrderedRows::range_of_wrap(std::int64_t latest_ns) const {
   const std::int64_t before_ns = latest_ns - offset_ns_;
   const Row& row = ahead_[judged_].row;

@@ -45,7 +45,7 @@ TEST(TwoSensorsInTurn, AreToldWithTheDistanceOfTheirLevels) {
   const std::string told = complaint([](int row) { return 2.0 * (row % 2); }, 0.2);
   const std::string before = "has a level of its own, ";
   ASSERT_THAT(told, HasSubstr(before));
-  // By changes of 32,000 rows, each with an error of its own size: a few percent.
+  // Estimate from the changes of 32,000 rows, each with an error of its own size: a few percent.
   constexpr double kDistance_dps = 2.0 * 180.0 / std::numbers::pi;
   EXPECT_NEAR(std::stod(told.substr(told.find(before) + before.size())), kDistance_dps,
               0.1 * kDistance_dps);

@@ -1,13 +1,10 @@
 #include "host_tools/lib/diagnose/record/record.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "host_tools/lib/identify/near_zero_mean.hpp"
-#include "host_tools/lib/recording/error.hpp"
 
 namespace zerorate::diagnose {
 namespace {
@@ -86,12 +83,8 @@ std::vector<Record> records_of(const identify::RestSamples& samples,
   records.reserve(axes.size());
   for (const std::size_t axis : axes) {
     records.push_back(record_of(samples, axis));
-    const std::string reason = identify::because_of_motion(samples);
-    if (records.back().size() < kFewestSamples && !reason.empty()) {
-      throw recording::DataError(
-          fmt::format("a diagnosis needs {} samples of one standstill, and the longest has {}{}",
-                      kFewestSamples, records.back().size(), reason));
-    }
+    identify::require_besides_motion(samples, records.back().size(), kFewestSamples,
+                                     "samples in the longest standstill");
     records.back().is_bias_taken_out = std::ranges::find(without_bias, axis) != without_bias.end();
   }
   return records;
