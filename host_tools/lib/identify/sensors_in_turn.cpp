@@ -127,7 +127,9 @@ std::optional<double> change_of_turns(const RestSamples& samples, std::size_t ax
   const Changes changes{samples, axis};
   const double change = changes.median(1);
   if (!(change > kLarger * changes.median(2))) return std::nullopt;
-  const double reversal = -0.5 * std::abs(changes.contrast(0));
+  const double first = changes.contrast(0);
+  if (changes.contrast(1) < 0.05 * first) return std::nullopt;
+  const double reversal = -0.5 * std::abs(first);
   for (std::size_t pair = 1; pair < kPairs; ++pair) {
     if (changes.contrast(pair) < reversal) return std::nullopt;
   }
