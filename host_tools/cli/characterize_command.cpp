@@ -237,7 +237,7 @@ void print_characterization(const identify::Characterization& result, bool is_ve
                result.rows_repeated);
   }
   if (result.rows_outlying > 0) {
-    fmt::print("  note: {} sample{} left out, 20 standard deviations from those around them\n",
+    fmt::print("  note: {} sample{} left out, far from those around them: no noise of a gyro\n",
                result.rows_outlying, result.rows_outlying == 1 ? "" : "s");
   }
   fmt::print("Figures in brackets are 95 % intervals.\n");

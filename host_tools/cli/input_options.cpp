@@ -29,7 +29,7 @@ void add_format_options(CLI::App& command, InputFlags& flags) {
     return command.add_option(name, value, help)->group("Files of other formats");
   };
   add("--columns", flags.columns,
-      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also t_ns (nanoseconds beside "
+      "names of the columns: t=NAME,gx=NAME,gy=NAME,gz=NAME; also t_ns or t_us (ns or us beside "
       "seconds), "
       "rate (a single axis), temp, ax, "
       "ay, az, pulses, ticks1 to ticks4 (wheels, also backwards), still, speed, turn (of the "

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "host_tools/cli/commands.hpp"
@@ -40,6 +41,14 @@ void print_unused(const recording::Columns& columns, const model::SensorModel& m
   if (columns.acceleration && model.inputs.empty()) print("an acceleration");
 }
 
+/// Reason why the node measured no bias.
+std::string_view lack_of_stops(bool has_odometer) {
+  if (!has_odometer) return "the node measured no bias, as no stop was long enough";
+  return "the node measured no bias, as no stop was long enough; where the odometer counts at "
+         "rest, "
+         "as an encoder that chatters does, --still-from gyro takes the calm of the gyro";
+}
+
 ExitCode run_replay(const ReplayCommandOptions& options) {
   evaluate::ReplayOptions replay_options = to_replay_options(options.flags);
   replay_options.checks_rest = true;
@@ -50,6 +59,7 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
   if (!replay_options.schedule) truth = read_truth(input, options.truth);
   recording::Reader reader{input};
   const std::size_t axis_count = reader.columns().axis_count;
+  const bool has_odometer = reader.columns().odometer && options.flags.still_from != "gyro";
   replay_options.references = reference_use(reader.columns(), options.truth, truth);
   const auto axes = shown_axes(options.flags, axis_count, truth);
 
@@ -80,9 +90,9 @@ ExitCode run_replay(const ReplayCommandOptions& options) {
     print_unused(reader.columns(), replay_options.model);
   }
   if (result.rows_corrected == 0) {
-    fmt::print(stderr, "zerorate: no row has a corrected rate: {}\n",
-               result.samples_frozen > 0 ? "the gyro did not measure"
-                                         : "the node measured no bias, as no stop was long enough");
+    fmt::print(
+        stderr, "zerorate: no row has a corrected rate: {}\n",
+        result.samples_frozen > 0 ? "the gyro did not measure" : lack_of_stops(has_odometer));
     return finding;
   }
   return success;

@@ -77,7 +77,19 @@ class ExitCode(unittest.TestCase):
         self.recording.write_text("\n".join(["t_s,rate_dps,still", *lines]) + "\n", encoding="utf-8")
         run = subprocess.run([ZERORATE, "characterize", self.recording], capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(run.returncode, BAD_DATA, run.stderr)
-        self.assertRegex(run.stderr, r"19\d\d of 2000 rows were left out because the vehicle moved; --still-from")
+        self.assertRegex(run.stderr, r"19\d\d of 2000 rows were left out because the vehicle moved; .*--still-from gyro")
+
+    def test_of_a_count_that_chatters_at_rest_names_the_odometer(self):
+        lines = [f"{0.1 * k:.1f},{noisy(k)},{k // 4}" for k in range(4000)]
+        self.recording.write_text("\n".join(["t_s,rate_dps,odometer_pulses", *lines]) + "\n", encoding="utf-8")
+        for command in ("characterize", "diagnose", "replay"):
+            run = subprocess.run([ZERORATE, command, self.recording], capture_output=True, text=True, timeout=60, check=False)
+            self.assertIn(run.returncode, (1, BAD_DATA), run.stderr)
+            self.assertRegex(run.stderr, "an encoder that chatters does, --still-from gyro", command)
+        run = subprocess.run([ZERORATE, "characterize", self.recording, "--still-from", "gyro", "--json", "-"],
+                             capture_output=True, text=True, timeout=60, check=False)
+        walk = json.loads(run.stdout)["axes"]["rate"]["angle_random_walk_dps_per_sqrt_hz"]["value"]
+        self.assertAlmostEqual(walk, 0.1 * math.sqrt(0.1), delta=0.1 * 0.1 * math.sqrt(0.1))
 
     def test_of_an_option_that_contradicts_the_recording_is_wrong_usage(self):
         self.record(2000, noisy)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "host_tools/lib/evaluate/feed.hpp"
 #include "host_tools/lib/evaluate/replay_node.hpp"
 #include "host_tools/lib/evaluate/stop_judge.hpp"
+#include "host_tools/lib/identify/near_zero_mean.hpp"
 #include "host_tools/lib/identify/rest_check.hpp"
 #include "host_tools/lib/recording/error.hpp"
 
@@ -81,6 +83,7 @@ class Run {
                   rows.first_time_ns()) {
     if (options.schedule && options.checks_rest) {
       rest_.emplace(result.axis_count, result.sample_period, result.sample_period);
+      levels_.emplace(result.axis_count);
     }
     if (!observer.truth) return;
     true_drives_.emplace(*observer.truth, replayed_.shift(), longest_interval(result.sample_period),
@@ -107,7 +110,9 @@ class Run {
     }
     if (rest_) {
       std::vector<std::size_t> axes = identify::axes_called("all", result_.axis_count);
-      result_.rest_doubts = identify::require_rest(rest_->doubts(), accepted_, axes);
+      std::vector<identify::RestDoubt> doubts = rest_->doubts();
+      std::ranges::move(levels_->doubts(), std::back_inserter(doubts));
+      result_.rest_doubts = identify::require_rest(doubts, accepted_, axes);
     }
     node_.finish_learning();
     if (has_news()) tell_learnt(row.time_ns);
@@ -150,7 +155,10 @@ class Run {
       const bool has_bias = core::is_finite(message.axes[0].sigma.in(core::rad_per_s));
       if (moving && has_bias) add_to_drive(message, truth);
       newest_ = message.time;
-      if (rest_) rest_->add(message.time, row.rate_rad_s);
+      if (rest_) {
+        rest_->add(message.time, row.rate_rad_s);
+        levels_->add(row.rate_rad_s);
+      }
       if (true_drives_) {
         const std::size_t vertical = observer_.truth->vertical.axis;
         const double published = double{message.axes[vertical].corrected.in(core::rad_per_s)};
@@ -316,6 +324,7 @@ class Run {
   std::uint32_t told_ticks_ = 0;  ///< measured ticks at the last report of what was learnt
   StopJudge<Node> stops_{observer_.on_stop};
   std::optional<identify::RestCheck> rest_;
+  std::optional<identify::LevelCheck> levels_;  ///< together with rest_
   std::optional<TrueDriveScorer> true_drives_;
 };
 

@@ -170,20 +170,39 @@ report::Table drive_table(const TrueDrives& drives) {
 
 }  // namespace
 
+std::string doubt_of_coverage(const TrueDrives& drives) {
+  constexpr double kPromised = 0.05;
+  const double log_unlikely = std::log(1e-3);
+  const TrueScore score = drives.score(app::Predictor::kalman);
+  if (score.drives == 0) return "";
+  const auto count = static_cast<double>(score.drives);
+  const double outside = std::round((1.0 - score.coverage95) * count);
+  if (statistics::log_poisson_tail(outside, kPromised * count) > log_unlikely) return "";
+  return fmt::format(
+      "{:.0f} of {} drives lie outside the interval, where one of twenty would by chance: in "
+      "motion "
+      "the gyro is not what the stops show. 'zerorate diagnose' looks for the cause, such as a "
+      "bias "
+      "that vibration shifts, or an error of the scale factor.",
+      outside, score.drives);
+}
+
 std::string summary(const TrueDrives& drives, std::size_t axis_count) {
   const truth::Truth& truth = drives.truth;
   if (!truth.obstacle.empty()) return "Drives are not scored: " + truth.obstacle + ".";
   const TrueScore score = drives.score(app::Predictor::kalman);
   if (score.drives == 0) return "No true drive could be scored.";
+  const std::string doubt = doubt_of_coverage(drives);
   return fmt::format(
       "Over {} drives between true stops the published heading erred by {:.3f} deg rms (median "
       "{:.3f}, worst {:.3f}) about axis {}; {:.0f} % of them lay inside the 95 % interval, with "
       "{:.3f} deg for the reference's own error. With the bias at departure alone, from middle to "
-      "middle of the stops, {:.3f} deg rms.",
+      "middle of the stops, {:.3f} deg rms.{}{}",
       score.drives, score.rms_rad * kDegPerRad, score.median_rad * kDegPerRad,
       score.worst_rad * kDegPerRad, name(truth.vertical, axis_count), score.coverage95 * 100.0,
       truth.reference_error_rad * kDegPerRad,
-      drives.score(app::Predictor::kalman, Scored::bias_at_departure).rms_rad * kDegPerRad);
+      drives.score(app::Predictor::kalman, Scored::bias_at_departure).rms_rad * kDegPerRad,
+      doubt.empty() ? "" : " ", doubt);
 }
 
 Chart stop_chart(const ReplayTrace& trace, const TrueDrives& drives, double filter_tick_s) {
@@ -292,6 +311,7 @@ Json true_drives_json(const TrueDrives& drives, std::size_t axis_count) {
           {"reference_error_deg", number(truth.reference_error_rad * kDegPerRad)},
           {"reference_error_at_stops_deg", number(truth.error_at_stops_rad * kDegPerRad)},
           {"scored", drives.scored()},
+          {"doubt", doubt_of_coverage(drives)},
           {"predictors", std::move(predictors)},
           {"stops", std::move(stops)},
           {"drives", std::move(list)}};

@@ -13,7 +13,11 @@
 
 namespace zerorate::evaluate {
 
-/// The result in one sentence or, where nothing is scored, the reason.
+/// Sentence about drives of the Kalman predictor that lie outside their 95 % intervals more often
+/// than by chance (p < 0.001, Poisson), with what looks for the cause; empty otherwise.
+[[nodiscard]] std::string doubt_of_coverage(const TrueDrives& drives);
+
+/// The result in one sentence, with doubt_of_coverage(), or, where nothing is scored, the reason.
 [[nodiscard]] std::string summary(const TrueDrives& drives, std::size_t axis_count);
 
 /// Stops by odometer and by the reference, and what was learnt in them, along the time.

@@ -34,9 +34,10 @@ bool is_sum_of_noise(const RestSamples& samples, std::size_t axis) {
 
 }  // namespace
 
-std::optional<std::string> angles_not_rates(const RestSamples& samples) {
+std::optional<std::string> angles_not_rates(const RestSamples& samples,
+                                            const std::vector<std::size_t>& axes) {
   if (samples.time.size() < 20 * kLongestLag) return std::nullopt;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
+  for (const std::size_t axis : axes) {
     if (!is_sum_of_noise(samples, axis)) continue;
     return fmt::format(
         "axis {} has no white noise: it changes by {:.2g} deg/s (rms) from sample to sample and by "

@@ -2,8 +2,10 @@
 /// Angles in the columns of rates.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host_tools/lib/identify/rest_samples.hpp"
 
@@ -13,6 +15,8 @@ namespace zerorate::identify {
 /// change over 2 m samples is at least 1.8 times that over m, for all m from 1 to 512. White noise,
 /// which every rate has, gives the same for both; a sum of white noise gives twice, a turn four
 /// times as much. nullopt where no axis is like that, and with fewer than 10240 samples.
-[[nodiscard]] std::optional<std::string> angles_not_rates(const RestSamples& samples);
+/// @param axes  indices of those that measure
+[[nodiscard]] std::optional<std::string> angles_not_rates(const RestSamples& samples,
+                                                          const std::vector<std::size_t>& axes);
 
 }  // namespace zerorate::identify

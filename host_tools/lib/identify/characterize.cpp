@@ -14,6 +14,7 @@
 #include "host_tools/lib/identify/density.hpp"
 #include "host_tools/lib/identify/near_zero_mean.hpp"
 #include "host_tools/lib/identify/repeats.hpp"
+#include "host_tools/lib/identify/rounding.hpp"
 #include "host_tools/lib/identify/whittle.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/spectrum/noise_strength.hpp"
@@ -192,7 +193,11 @@ AxisCharacterization characterize_axis(const RestSamples& samples,
   result.model = named_model(result.fit, shortest_s, options.recording, result.axis);
   result.local_whittle_order = local_whittle_order(even_ticks, result.model);
   result.remarks = remarks_on(result.fit);
-  if (auto remark = remark_on_mean(samples, axis)) result.remarks.push_back(std::move(*remark));
+  for (auto remark :
+       {remark_on_mean(samples, axis),
+        remark_on_rounding(samples, axis, result.fit.angle_random_walk_rad_per_sqrt_s)}) {
+    if (remark) result.remarks.push_back(std::move(*remark));
+  }
 
   const EvenRecord record = record_for_curves(samples, even_ticks, axis);
   if (record.rate_rad_s.size() >= kFewestFrequencies) {
@@ -296,26 +301,16 @@ RestSamples measurements_of(const RestSamples& all) {
   }
   RestSamples rest = without(std::move(samples), outliers);
   rest.outliers += outliers.size();
-  return rest;
+  if (rest.moving > 0) return rest;
+  const std::vector<std::size_t> wild = find_wild_stretches(rest);
+  rest.outliers += wild.size();
+  return without(std::move(rest), wild);
 }
-
-namespace {
-
-/// Where motion took most of the rows, the reason for too short a rest is its source.
-void require_rest_besides_motion(const RestSamples& samples, std::size_t ticks) {
-  if (ticks >= kFewestForWhittle || 2 * samples.moving < samples.rows) return;
-  throw recording::DataError(fmt::format(
-      "too short to identify noise: {} filter ticks at rest, and 64 are needed. {} of {} rows were "
-      "left out because the vehicle moved; --still-from names another source of rest",
-      ticks, samples.moving, samples.rows));
-}
-
-}  // namespace
 
 Characterization characterize(const RestSamples& all, const CharacterizeOptions& options) {
   const RestSamples samples = measurements_of(all);
   const auto [tick, ticks] = Ticks(samples, options);
-  require_rest_besides_motion(samples, ticks.size());
+  require_besides_motion(samples, ticks.size(), kFewestForWhittle, "filter ticks at rest");
   Characterization result{.recording = options.recording,
                           .rows = samples.rows,
                           .rows_moving = samples.moving,

@@ -127,8 +127,8 @@ void compare_recordings(const RestSamples& samples, std::span<const RestSamples>
 [[nodiscard]] model::SensorModel model_of(const InnovationsFit& fit, core::Duration sample_period,
                                           const std::string& recording, const std::string& axis);
 
-/// Samples without_repeats() and without find_outliers(). Throws recording::DataError where they
-/// are more than 5 %.
+/// Samples without_repeats() and without find_outliers(); where the sensor was at rest all the
+/// time, without find_wild_stretches(). Throws recording::DataError where they are more than 5 %.
 [[nodiscard]] RestSamples measurements_of(const RestSamples& all);
 
 /// Identifies each axis, outliers left out, by the innovations likelihood, from the Whittle fit of

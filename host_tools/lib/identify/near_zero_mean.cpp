@@ -22,15 +22,25 @@ struct Level {
   double slow_noise = 0.0;
 };
 
+/// Rates in succession, or means of as many of them each [rad/s].
+using Series = std::vector<double>;
+
+std::vector<Series> series_of(const RestSamples& samples) {
+  std::vector<Series> axes(samples.axis_count);
+  for (const auto& rate_rad_s : samples.rate_rad_s) {
+    for (std::size_t i = 0; i < axes.size(); ++i) axes[i].push_back(double{rate_rad_s[i]});
+  }
+  return axes;
+}
+
 /// Means of equal parts in succession [rad/s].
-std::vector<double> means_of_parts(const RestSamples& samples, std::size_t axis,
-                                   std::size_t parts) {
-  const std::size_t size = samples.time.size();
+std::vector<double> means_of_parts(const Series& series, std::size_t parts) {
+  const std::size_t size = series.size();
   std::vector<double> means(parts);
   for (std::size_t part = 0; part < parts; ++part) {
     const std::size_t first = part * size / parts;
     const std::size_t end = (part + 1) * size / parts;
-    for (std::size_t k = first; k < end; ++k) means[part] += double{samples.rate_rad_s[k][axis]};
+    for (std::size_t k = first; k < end; ++k) means[part] += series[k];
     means[part] /= static_cast<double>(end - first);
   }
   return means;
@@ -50,16 +60,16 @@ double allan_variance(const std::vector<double>& parts, std::size_t together) {
   return 0.5 * squares / static_cast<double>(count);
 }
 
-std::optional<Level> level_of(const RestSamples& samples, std::size_t axis) {
+std::optional<Level> level_of(const Series& series) {
   constexpr std::size_t kParts = 200;
   constexpr std::size_t kTogether = 10;
   constexpr std::size_t kTenths = 10;
-  if (samples.time.size() < kParts) return std::nullopt;
-  const std::vector<double> parts = means_of_parts(samples, axis, kParts);
+  if (series.size() < kParts) return std::nullopt;
+  const std::vector<double> parts = means_of_parts(series, kParts);
   const double by_white_noise = allan_variance(parts, 1) / kTogether;
   double sum = 0.0;
   double squares = 0.0;
-  for (const double tenth : means_of_parts(samples, axis, kTenths)) {
+  for (const double tenth : means_of_parts(series, kTenths)) {
     sum += tenth;
     squares += tenth * tenth;
   }
@@ -71,10 +81,10 @@ std::optional<Level> level_of(const RestSamples& samples, std::size_t axis) {
 }
 
 /// The level of an axis whose mean is near zero.
-std::optional<Level> near_zero(const RestSamples& samples, std::size_t axis) {
+std::optional<Level> near_zero(const Series& series) {
   constexpr double kShare = 0.5;
   constexpr double kDrift_rad_s = 0.05 / kDegPerRad;
-  const std::optional<Level> level = level_of(samples, axis);
+  const std::optional<Level> level = level_of(series);
   const bool is_near = level && std::abs(level->mean_rad_s) < kShare * level->scatter_rad_s &&
                        level->scatter_rad_s <= kDrift_rad_s;
   return is_near ? level : std::nullopt;
@@ -94,11 +104,11 @@ struct AxisLevel {
 };
 
 /// Axes whose bias was taken out, with their levels.
-std::vector<AxisLevel> levels_without_bias(const RestSamples& samples) {
+std::vector<AxisLevel> levels_without_bias(const std::vector<Series>& axes) {
   std::vector<AxisLevel> levels;
   double slow_noise = 0.0;
-  for (std::size_t axis = 0; axis < samples.axis_count; ++axis) {
-    const std::optional<Level> level = near_zero(samples, axis);
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    const std::optional<Level> level = near_zero(axes[axis]);
     if (!level) continue;
     levels.push_back({axis, *level});
     slow_noise += level->slow_noise;
@@ -121,18 +131,36 @@ RestDoubt doubt_of(const std::string& axes, const Level& level) {
           false};
 }
 
+std::vector<RestDoubt> doubts_of(const std::vector<Series>& axes) {
+  const std::vector<AxisLevel> levels = levels_without_bias(axes);
+  if (levels.size() == axes.size() && axes.size() > 1) {
+    const auto size = [](const AxisLevel& one) { return std::abs(one.level.mean_rad_s); };
+    return {doubt_of("every axis is near zero, the largest",
+                     std::ranges::max_element(levels, {}, size)->level)};
+  }
+  std::vector<RestDoubt> doubts;
+  for (const AxisLevel& one : levels) {
+    const std::string name = axes.size() == 1 ? "rate" : std::string(1, "xyz"[one.axis]);
+    doubts.push_back(doubt_of("axis " + name, one.level));
+    doubts.back().axis = one.axis;
+  }
+  return doubts;
+}
+
 }  // namespace
 
 std::vector<std::size_t> axes_without_bias(const RestSamples& samples) {
   std::vector<std::size_t> axes;
-  for (const AxisLevel& one : levels_without_bias(samples)) axes.push_back(one.axis);
+  for (const AxisLevel& one : levels_without_bias(series_of(samples))) axes.push_back(one.axis);
   return axes;
 }
 
 std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_t axis) {
-  const std::optional<Level> level = near_zero(samples, axis);
-  const std::vector<std::size_t> in_doubt = axes_without_bias(samples);
-  if (!level || std::ranges::find(in_doubt, axis) != in_doubt.end()) return std::nullopt;
+  const std::vector<Series> axes = series_of(samples);
+  const std::optional<Level> level = near_zero(axes[axis]);
+  if (!level) return std::nullopt;
+  const std::vector<AxisLevel> in_doubt = levels_without_bias(axes);
+  if (std::ranges::find(in_doubt, axis, &AxisLevel::axis) != in_doubt.end()) return std::nullopt;
   return fmt::format(
       "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "
       "a bias already taken out? A node needs the rates of the chip.",
@@ -140,18 +168,34 @@ std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_
 }
 
 std::vector<RestDoubt> doubts_of_bias_taken_out(const RestSamples& samples) {
-  const std::vector<AxisLevel> levels = levels_without_bias(samples);
-  if (levels.size() == samples.axis_count && samples.axis_count > 1) {
-    const auto size = [](const AxisLevel& one) { return std::abs(one.level.mean_rad_s); };
-    return {doubt_of("every axis is near zero, the largest",
-                     std::ranges::max_element(levels, {}, size)->level)};
+  return doubts_of(series_of(samples));
+}
+
+LevelCheck::LevelCheck(std::size_t axis_count) : means_(axis_count), sums_(axis_count) {}
+
+void LevelCheck::add(const std::array<float, recording::kMaxAxes>& rate_rad_s) {
+  for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += double{rate_rad_s[i]};
+  if (++summed_ < together_) return;
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    means_[i].push_back(sums_[i] / static_cast<double>(together_));
+    sums_[i] = 0.0;
   }
-  std::vector<RestDoubt> doubts;
-  for (const AxisLevel& one : levels) {
-    doubts.push_back(doubt_of("axis " + samples.axis_name(one.axis), one.level));
-    doubts.back().axis = one.axis;
+  summed_ = 0;
+  if (means_.front().size() == kMostMeans) halve();
+}
+
+void LevelCheck::halve() {
+  for (Series& means : means_) {
+    for (std::size_t k = 0; k < kMostMeans / 2; ++k) {
+      means[k] = 0.5 * (means[2 * k] + means[2 * k + 1]);
+    }
+    means.resize(kMostMeans / 2);
   }
-  return doubts;
+  together_ *= 2;
+}
+
+std::vector<RestDoubt> LevelCheck::doubts() const {
+  return doubts_of(means_);
 }
 
 }  // namespace zerorate::identify

@@ -2,6 +2,7 @@
 /// Means that are too small for the zero-rate level of a gyro.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -27,5 +28,25 @@ namespace zerorate::identify {
 /// One doubt for all axes where none has its bias, and one for each axis otherwise. None is
 /// certain: white noise remains as it was.
 [[nodiscard]] std::vector<RestDoubt> doubts_of_bias_taken_out(const RestSamples& samples);
+
+/// doubts_of_bias_taken_out() while samples come, from means of as many of them as fit into
+/// constant memory: 64 KiB an axis. Below 8192 samples each is its own mean.
+class LevelCheck {
+ public:
+  explicit LevelCheck(std::size_t axis_count);
+
+  void add(const std::array<float, recording::kMaxAxes>& rate_rad_s);
+  [[nodiscard]] std::vector<RestDoubt> doubts() const;
+
+ private:
+  static constexpr std::size_t kMostMeans = 8192;
+
+  void halve();
+
+  std::vector<std::vector<double>> means_;  ///< means of each axis [rad/s]
+  std::vector<double> sums_;                ///< sums of the mean that is not complete [rad/s]
+  std::size_t summed_ = 0;                  ///< samples in these sums
+  std::size_t together_ = 1;                ///< samples of a mean
+};
 
 }  // namespace zerorate::identify

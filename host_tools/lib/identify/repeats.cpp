@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -27,19 +26,28 @@ double share_of_repeats(const RestSamples& samples, std::size_t lag) {
   return static_cast<double>(equal) / static_cast<double>(samples.time.size() - lag);
 }
 
-/// Median change between unequal neighbours, in steps of the smallest; 0 where nothing changes.
-double change_in_steps(const RestSamples& samples, std::size_t axis) {
+/// Sizes of the changes between unequal neighbours.
+std::vector<double> changes_of(const RestSamples& samples, std::size_t axis) {
   constexpr std::size_t kMost = 100'000;
   std::vector<double> changes;
-  double step = std::numeric_limits<double>::infinity();
   for (std::size_t k = 1; k < std::min(samples.time.size(), kMost); ++k) {
     const double change =
         std::abs(double{samples.rate_rad_s[k][axis]} - double{samples.rate_rad_s[k - 1][axis]});
-    if (!(change > 0.0)) continue;
-    changes.push_back(change);
-    step = std::min(step, change);
+    if (change > 0.0) changes.push_back(change);
   }
-  return changes.empty() ? 0.0 : statistics::median_of(std::move(changes)) / step;
+  return changes;
+}
+
+double smallest_of(const std::vector<double>& changes) {
+  return changes.empty() ? 0.0 : *std::ranges::min_element(changes);
+}
+
+/// Median change between unequal neighbours, in steps of the smallest; 0 where nothing changes.
+double change_in_steps(const RestSamples& samples, std::size_t axis) {
+  std::vector<double> changes = changes_of(samples, axis);
+  if (changes.empty()) return 0.0;
+  const double step = smallest_of(changes);
+  return statistics::median_of(std::move(changes)) / step;
 }
 
 bool may_repeat(const RestSamples& samples) {
@@ -69,6 +77,10 @@ core::Duration mean_interval(const std::vector<core::Instant>& times) {
 }
 
 }  // namespace
+
+double smallest_step(const RestSamples& samples, std::size_t axis) {
+  return smallest_of(changes_of(samples, axis));
+}
 
 std::vector<std::size_t> find_repeats(const RestSamples& samples) {
   std::vector<std::size_t> found;

@@ -9,6 +9,10 @@
 
 namespace zerorate::identify {
 
+/// Smallest change between unequal neighbours among the first 100,000 samples, the resolution of
+/// coarse rates [rad/s]; 0 where nothing changes.
+[[nodiscard]] double smallest_step(const RestSamples& samples, std::size_t axis);
+
 /// Samples, by index, that repeat the one before on all axes: a logger that polls faster than the
 /// sensor measures. Each measurement would count once or twice, by chance, and the white noise of
 /// the means would be too large. None where equal neighbours may be chance, as with coarse steps:

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -13,11 +12,7 @@
 
 #include "core/monitor/odometer_check.hpp"
 #include "core/standstill/calm_judge.hpp"
-#include "host_tools/lib/identify/angles.hpp"
 #include "host_tools/lib/identify/frozen_axes.hpp"
-#include "host_tools/lib/identify/near_zero_mean.hpp"
-#include "host_tools/lib/identify/repeats.hpp"
-#include "host_tools/lib/identify/sensors_in_turn.hpp"
 #include "host_tools/lib/recording/error.hpp"
 #include "host_tools/lib/statistics/sigma_of_changes.hpp"
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -184,45 +179,6 @@ std::vector<RestDoubt> RestCheck::doubts() {
     if (doubt) doubts.push_back(std::move(*doubt));
   }
   return doubts;
-}
-
-namespace {
-
-/// The median interval where the mean one is near it: pauses lengthen the mean, and bursts shorten
-/// the median.
-core::Duration typical_period(const RestSamples& samples) {
-  constexpr std::int64_t kShortestBurst = 8;
-  return samples.mean_period < samples.sample_period * kShortestBurst ? samples.sample_period
-                                                                      : samples.mean_period;
-}
-
-}  // namespace
-
-std::vector<RestDoubt> doubts_of_rest(const RestSamples& all) {
-  const RestSamples samples = without_repeats(all);
-  RestCheck check{samples.axis_count, samples.sample_period, samples.mean_period,
-                  samples.moving > 0};
-  const std::vector<std::size_t> outliers = find_outliers(samples);
-  for (std::size_t i = 0; i < samples.time.size(); ++i) {
-    if (!std::ranges::binary_search(outliers, i)) check.add(samples.time[i], samples.rate_rad_s[i]);
-  }
-  std::vector<RestDoubt> doubts = check.doubts();
-  const auto put_first = [&](std::string_view name, std::optional<std::string> sentence,
-                             bool is_certain = true) {
-    if (sentence) doubts.insert(doubts.begin(), {name, std::move(*sentence), is_certain});
-  };
-  std::string period = recording::doubt_of_period(typical_period(samples).ns());
-  if (!samples.is_timed_by_rows && !period.empty()) put_first(doubt::kPeriod, std::move(period));
-  put_first(doubt::kSensors, sensors_in_turn(samples));
-  std::ranges::move(doubts_of_frozen_axes(all), std::inserter(doubts, doubts.begin()));
-  put_first(doubt::kAngles, angles_not_rates(samples));
-  std::ranges::move(doubts_of_bias_taken_out(samples), std::back_inserter(doubts));
-  return doubts;
-}
-
-std::vector<std::string> require_rest(const RestSamples& samples, const AcceptedDoubts& accepted,
-                                      std::vector<std::size_t>& axes) {
-  return require_rest(doubts_of_rest(samples), accepted, axes);
 }
 
 namespace {

@@ -153,11 +153,25 @@ std::size_t count_wild_start(const RestSamples& samples, std::size_t axis) {
   return wild < kMost ? wild : 0;
 }
 
+/// Rows from the first one on that are equal on all axes, in a recording whose rows differ.
+std::size_t count_dead_start(const RestSamples& samples) {
+  constexpr std::size_t kFewest = 20;
+  constexpr std::size_t kJudged = 2'000;
+  const auto& rates = samples.rate_rad_s;
+  std::size_t dead = 1;
+  while (dead < rates.size() && rates[dead] == rates.front()) ++dead;
+  if (dead < kFewest || dead == rates.size()) return 0;
+  const std::size_t behind = std::min(rates.size() - dead, kJudged);
+  const Run longest =
+      longest_run(behind, [&](std::size_t i) { return rates[dead + i] == rates[dead + i - 1]; });
+  return dead > 4 * longest.size ? dead : 0;
+}
+
 /// Many gyros deliver samples without meaning after power-on, several in a row. One alone is left
 /// to those who look for it.
 void leave_out_wild_start(RestSamples& samples) {
   constexpr std::size_t kFewest = 2;
-  std::size_t wild = 0;
+  std::size_t wild = count_dead_start(samples);
   for (std::size_t i = 0; i < samples.axis_count; ++i) {
     wild = std::max(wild, count_wild_start(samples, i));
   }
@@ -176,6 +190,16 @@ void leave_out_wild_start(RestSamples& samples) {
   samples.wild = wild;
 }
 
+/// End of a sentence about too short a rest; empty where motion took less than half of the rows.
+std::string share_of_motion(const RestSamples& samples) {
+  if (2 * samples.moving < samples.rows) return "";
+  return fmt::format(
+      ". {} of {} rows were left out because the vehicle moved; where the odometer counts at rest, "
+      "as "
+      "an encoder that chatters does, --still-from gyro takes the calm of the gyro",
+      samples.moving, samples.rows);
+}
+
 /// Throws recording::DataError where too little is left.
 void require_samples(const RestSamples& samples) {
   if (const std::uint64_t used = samples.rows - samples.lost; 2 * used < samples.rows) {
@@ -187,11 +211,20 @@ void require_samples(const RestSamples& samples) {
         samples.lost, samples.rows, samples.axis_name(axis), *worst));
   }
   if (samples.time.size() < 2) {
-    throw recording::DataError("the recording has fewer than two usable samples at rest");
+    throw recording::DataError("the recording has fewer than two usable samples at rest" +
+                               share_of_motion(samples));
   }
 }
 
 }  // namespace
+
+void require_besides_motion(const RestSamples& samples, std::size_t found, std::size_t needed,
+                            std::string_view what) {
+  const std::string reason = share_of_motion(samples);
+  if (found >= needed || reason.empty()) return;
+  throw recording::DataError(
+      fmt::format("too short a rest: {} {}, and {} are needed{}", found, what, needed, reason));
+}
 
 RestSamples without(RestSamples rest, const std::vector<std::size_t>& indices) {
   if (indices.empty()) return rest;

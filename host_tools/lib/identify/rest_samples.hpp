@@ -76,9 +76,22 @@ struct RestOptions {
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});
 
+/// Throws recording::DataError where fewer are found than needed and motion took most of the rows:
+/// the sentence then names its share and what to do. An encoder that chatters leaves no stop of a
+/// whole drive.
+/// @param what  is found, such as "filter ticks at rest"
+void require_besides_motion(const RestSamples& samples, std::size_t found, std::size_t needed,
+                            std::string_view what);
+
 /// Samples, by index, that stand alone or in runs of up to five, 20 standard deviations of the
 /// white noise around them away: no noise of a gyro. Ascending.
 [[nodiscard]] std::vector<std::size_t> find_outliers(const RestSamples& samples);
+
+/// Samples, by index, of half seconds whose mean lies 10 standard deviations from the median of the
+/// sixteen around them: wild values in longer runs, or at the start and the end. The deviation is
+/// that of most means. None where they are more than 5 %, which is the nature of the recording, and
+/// below 64 half seconds. Ascending.
+[[nodiscard]] std::vector<std::size_t> find_wild_stretches(const RestSamples& samples);
 
 /// The samples without some of them.
 /// @param indices  ascending

@@ -51,21 +51,89 @@ Difference difference_of_turns(const RestSamples& samples, std::size_t axis, std
   return difference;
 }
 
-/// Median change from every sample to the one `lag` behind it.
-double median_change(const RestSamples& samples, std::size_t axis, std::size_t lag) {
-  constexpr std::size_t kMost = 100'000;
-  std::vector<double> changes;
-  for (std::size_t k = lag; k < std::min(samples.time.size(), kMost); ++k) {
-    changes.push_back(
-        std::abs(double{samples.rate_rad_s[k][axis]} - double{samples.rate_rad_s[k - lag][axis]}));
+/// Changes of an axis over some samples; of one far beyond the usual the limit counts.
+class Changes {
+ public:
+  Changes(const RestSamples& samples, std::size_t axis)
+      : samples_(samples), axis_(axis), size_(std::min(samples.time.size(), kMost)) {
+    constexpr double kFar = 8.0;  // medians
+    limit_ = kFar * median(1);
   }
-  return statistics::median_of(std::move(changes));
+
+  /// How much more the samples 2 pair + 1 apart differ than those 2 pair + 2 apart [rad^2/s^2].
+  [[nodiscard]] double contrast(std::size_t pair) const {
+    return mean_square(2 * pair + 1) - mean_square(2 * pair + 2);
+  }
+  [[nodiscard]] double mean_square(std::size_t lag) const {
+    double sum = 0.0;
+    for (std::size_t k = lag; k < size_; ++k) {
+      const double size = std::min(size_of(k, lag), limit_);
+      sum += size * size;
+    }
+    return sum / static_cast<double>(size_ - lag);
+  }
+  [[nodiscard]] double size() const { return static_cast<double>(size_); }
+  [[nodiscard]] double median(std::size_t lag) const {
+    std::vector<double> sizes;
+    for (std::size_t k = lag; k < size_; ++k) sizes.push_back(size_of(k, lag));
+    return statistics::median_of(std::move(sizes));
+  }
+
+ private:
+  static constexpr std::size_t kMost = 100'000;
+
+  [[nodiscard]] double size_of(std::size_t k, std::size_t lag) const {
+    return std::abs(double{samples_.rate_rad_s[k][axis_]} -
+                    double{samples_.rate_rad_s[k - lag][axis_]});
+  }
+
+  const RestSamples& samples_;
+  std::size_t axis_;
+  std::size_t size_;
+  double limit_ = 0.0;
+};
+
+/// Distance of two levels that take turns, also where rows are lost [rad/s]: samples an odd number
+/// apart then differ more than those an even number apart, the less the further apart they are. A
+/// tone below half the sample rate reverses this over more samples, and differences of rounded
+/// angles show it at the first lag only. nullopt where that is not so.
+std::optional<double> distance_of_levels(const RestSamples& samples, std::size_t axis) {
+  constexpr std::size_t kPairs = 32;
+  constexpr double kErrors = 6.0;
+  constexpr double kShare =
+      0.06;  // levels as far apart as their white noise, a third of the rows lost
+  const Changes changes{samples, axis};
+  const double usual = changes.mean_square(2);
+  const double error = 2.0 * usual / std::sqrt(changes.size());
+  const double first = changes.contrast(0);
+  if (!(first > std::max(kErrors * error, kShare * usual))) return std::nullopt;
+  const double second = changes.contrast(1);
+  if (second < std::max(0.5 * kErrors * error, 0.05 * first)) return std::nullopt;
+  // Between two losses the turns hang together, so that contrasts scatter by a share of the first.
+  const double tolerance = 0.25 * first + kErrors * error;
+  for (std::size_t pair = 1; pair < kPairs; ++pair) {
+    const double contrast = changes.contrast(pair);
+    if (contrast < -tolerance || contrast > first + tolerance) return std::nullopt;
+  }
+  const double kept = std::min(1.0, std::sqrt(second / first));  // correlation of the turns
+  return std::sqrt(2.0 * first / (kept + kept * kept));
 }
 
-/// Whether neighbours differ more than every second sample: in turn, also where some are lost.
-bool takes_turns(const RestSamples& samples, std::size_t axis) {
+/// Typical change from sample to sample where it is larger than that over two samples, and no tone
+/// reverses this over more; nullopt otherwise [rad/s].
+std::optional<double> change_of_turns(const RestSamples& samples, std::size_t axis) {
   constexpr double kLarger = 1.25;
-  return median_change(samples, axis, 1) > kLarger * median_change(samples, axis, 2);
+  constexpr std::size_t kPairs = 32;
+  const Changes changes{samples, axis};
+  const double change = changes.median(1);
+  if (!(change > kLarger * changes.median(2))) return std::nullopt;
+  const double first = changes.contrast(0);
+  if (changes.contrast(1) < 0.05 * first) return std::nullopt;
+  const double reversal = -0.5 * std::abs(first);
+  for (std::size_t pair = 1; pair < kPairs; ++pair) {
+    if (changes.contrast(pair) < reversal) return std::nullopt;
+  }
+  return change;
 }
 
 }  // namespace
@@ -88,8 +156,13 @@ std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
         different += found.size > kErrors * found.error ? 1U : 0U;
         sum_rad_s += found.size;
       }
-      const bool alternates = sensors == 2 && takes_turns(samples, axis);
-      if (2 * different <= judged && !alternates) continue;
+      double distance_rad_s = 0.5 * sum_rad_s / static_cast<double>(judged);
+      if (2 * different <= judged) {
+        auto alternating = sensors == 2 ? distance_of_levels(samples, axis) : std::nullopt;
+        if (sensors == 2 && !alternating) alternating = change_of_turns(samples, axis);
+        if (!alternating) continue;
+        distance_rad_s = *alternating;
+      }
       return fmt::format(
           "axis {}: every {} sample has a level of its own, {:.3g} deg/s from the others: {} "
           "sensors in one file? One of them is read by --where COLUMN=VALUE",
@@ -97,7 +170,7 @@ std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
           sensors == 2   ? "second"
           : sensors == 3 ? "third"
                          : "fourth",
-          0.5 * sum_rad_s / static_cast<double>(judged) * units::kDegPerRad, sensors);
+          distance_rad_s * units::kDegPerRad, sensors);
     }
   }
   return std::nullopt;

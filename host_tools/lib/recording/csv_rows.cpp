@@ -10,6 +10,13 @@
 #include "host_tools/lib/recording/number.hpp"
 
 namespace zerorate::recording {
+namespace {
+
+bool is_blank(std::string_view line) {
+  return line.find_first_not_of(" \t") == std::string_view::npos;
+}
+
+}  // namespace
 
 CsvRows::CsvRows(const std::filesystem::path& path, const Layout& layout, Needs needs)
     : lines_(path),
@@ -40,7 +47,7 @@ bool CsvRows::next_line(std::string_view& line) {
 bool CsvRows::next(Row& row) {
   while (true) {
     std::string_view line;
-    if (!next_line(line) || line.empty()) {
+    if (!next_line(line) || is_blank(line)) {
       expect_no_more_rows();
       return false;
     }
@@ -57,18 +64,21 @@ bool CsvRows::next(Row& row) {
   }
 }
 
-/// A row below the names that has units instead of numbers.
-bool CsvRows::is_row_of_units(std::string_view line) const {
+/// A row below the names that has texts, such as units, instead of all numbers of times and rates.
+bool CsvRows::is_row_of_units(std::string_view line) {
   Fields fields{line, header_.delimiter};
+  std::size_t texts = 0;
   for (const Column& column : header_.layout) {
     if (!fields.next()) return false;
-    if (column.meaning != Meaning::time) continue;
-    std::string_view text = fields.text();
-    if (text.size() > 2 && (text.front() == '(' || text.front() == '['))
-      text = text.substr(1, text.size() - 2);
-    return parse_unit(Dimension::time, text).has_value();
+    const std::string_view text = fields.text();
+    if (column.meaning != Meaning::time && column.meaning != Meaning::rate) continue;
+    if (column.unit.is_calendar ? parse_calendar_time(text).has_value()
+                                : !text.empty() && parse_real(with_point(text)).has_value())
+      return false;
+    if (column.meaning == Meaning::rate && text.empty()) return false;
+    texts += text.empty() ? 0U : 1U;
   }
-  return false;
+  return texts > 0;
 }
 
 /// A last line that was cut off, or bytes that were never written: what is whole before it counts.
@@ -86,7 +96,7 @@ void CsvRows::expect_no_more_rows() {
   const std::uint64_t first_empty = lines_.line();
   std::string_view line;
   while (lines_.next(line)) {
-    if (!line.empty()) {
+    if (!is_blank(line)) {
       throw Error{{lines_.place().file, first_empty},
                   "an empty line between the samples",
                   "one sample a line",
@@ -120,7 +130,10 @@ void CsvRows::parse_field(const Column& column, const Fields& fields, Row& row) 
       row.time_ns += parse_time(column, fields);
       break;
     case Meaning::nanoseconds:
-      row.time_ns += parse_nanoseconds(column, fields);
+      row.time_ns += parse_part_of_second(column, fields, "nanoseconds", 1'000'000'000);
+      break;
+    case Meaning::microseconds:
+      row.time_ns += 1'000 * parse_part_of_second(column, fields, "microseconds", 1'000'000);
       break;
     case Meaning::rate:
       row.rate_rad_s[column.axis] = parse_measured(column, fields);
@@ -176,10 +189,11 @@ std::int64_t CsvRows::parse_time(const Column& column, const Fields& fields) {
   return time->value;
 }
 
-std::int64_t CsvRows::parse_nanoseconds(const Column& column, const Fields& fields) const {
+std::int64_t CsvRows::parse_part_of_second(const Column& column, const Fields& fields,
+                                           std::string_view name, std::int64_t of_a_second) const {
   const auto part = parse_fixed_point(fields.text(), 0);
-  if (!part || !part->exact || part->value < 0 || part->value >= 1'000'000'000) {
-    throw bad_field(column, fields, "nanoseconds of a second, 0 to 999999999",
+  if (!part || !part->exact || part->value < 0 || part->value >= of_a_second) {
+    throw bad_field(column, fields, fmt::format("{} of a second, 0 to {}", name, of_a_second - 1),
                     "The seconds stand in the column of t.");
   }
   return part->value;

@@ -37,12 +37,14 @@ class CsvRows : public RowSource {
   [[nodiscard]] bool next_line(std::string_view& line);
   /// False where the row is not of this recording (Layout::where).
   [[nodiscard]] bool parse(std::string_view line, Row& row);
-  [[nodiscard]] bool is_row_of_units(std::string_view line) const;
+  [[nodiscard]] bool is_row_of_units(std::string_view line);
   [[nodiscard]] bool is_damaged_end(std::string_view line);
   void parse_field(const Column& column, const Fields& fields, Row& row);
   void expect_no_more_rows();
   [[nodiscard]] std::int64_t parse_time(const Column& column, const Fields& fields);
-  [[nodiscard]] std::int64_t parse_nanoseconds(const Column& column, const Fields& fields) const;
+  [[nodiscard]] std::int64_t parse_part_of_second(const Column& column, const Fields& fields,
+                                                  std::string_view name,
+                                                  std::int64_t of_a_second) const;
   [[nodiscard]] std::int64_t parse_count(const Column& column, const Fields& fields) const;
   [[nodiscard]] std::int64_t count_ticks();
   [[nodiscard]] bool parse_still(const Column& column, const Fields& fields) const;

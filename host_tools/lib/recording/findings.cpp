@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -202,14 +203,18 @@ std::string doubt_of_rows(const Findings& findings) {
   constexpr double kRepaired = 0.05;
   const auto rows = static_cast<double>(findings.rows() + findings.left_out());
   const auto share = [&](std::uint64_t count) { return static_cast<double>(count) / rows; };
+  const auto percent = [](double part) {
+    return part < 0.1 ? fmt::format("{:.2g}", 100.0 * part) : fmt::format("{:.0f}", 100.0 * part);
+  };
   const double unused = share(findings.left_out() + findings.count(Finding::rate_lost));
-  const double repaired =
-      share(findings.count(Finding::time_sorted) + findings.count(Finding::time_spread));
+  // A row may have been both.
+  const double repaired = std::min(
+      1.0, share(findings.count(Finding::time_sorted) + findings.count(Finding::time_spread)));
   std::string doubt;
-  if (unused > kUnused) doubt = fmt::format("{:.2g} % of the rows were not used", 100.0 * unused);
+  if (unused > kUnused) doubt = fmt::format("{} % of the rows were not used", percent(unused));
   if (repaired > kRepaired) {
-    doubt += fmt::format("{}the time stamps of {:.2g} % of the rows were repaired",
-                         doubt.empty() ? "" : ", and ", 100.0 * repaired);
+    doubt += fmt::format("{}the time stamps of {} % of the rows were repaired",
+                         doubt.empty() ? "" : ", and ", percent(repaired));
   }
   return doubt;
 }

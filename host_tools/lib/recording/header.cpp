@@ -281,7 +281,7 @@ bool is_header(std::string_view comment) {
   return names(Meaning::time) && names(Meaning::rate);
 }
 
-/// Moves to the header line, past comments and empty lines.
+/// Moves to the header line, past comments, empty lines and the delimiter as spreadsheets name it.
 std::string_view find_header_line(LineReader& lines) {
   std::string_view line;
   while (lines.next(line)) {
@@ -290,7 +290,7 @@ std::string_view find_header_line(LineReader& lines) {
                   "Give its path to zerorate of the host tools, which opens it by itself."};
     }
     if (line.starts_with('#') && is_header(line.substr(1))) return line.substr(1);
-    if (!line.empty() && !line.starts_with('#')) return line;
+    if (!line.empty() && !line.starts_with('#') && !line.starts_with("sep=")) return line;
   }
   throw Error{lines.place(), lines.line() == 0 ? "an empty file" : "only comments and empty lines",
               "a header line and samples", "Check that this is the right file."};

@@ -12,7 +12,6 @@ RatesOfIncrements::RatesOfIncrements(std::unique_ptr<RowSource> rows)
 }
 
 bool RatesOfIncrements::next(Row& row) {
-  constexpr std::int64_t kMostPeriods = 3;  // a missing row or two: its angle may be in this one
   if (!has_ahead_) {
     rows_.rethrow();
     return false;
@@ -25,7 +24,8 @@ bool RatesOfIncrements::next(Row& row) {
                                                    : 0;
   time_before_ns_ = row.time_ns;
   if (interval_ns > 0) intervals_.add(interval_ns);
-  const bool is_known = interval_ns > 0 && interval_ns < kMostPeriods * intervals_.value_ns();
+  // Behind a missing row the angle may be of one sample or of two.
+  const bool is_known = interval_ns > 0 && 2 * interval_ns < 3 * intervals_.value_ns();
   for (float& rate : row.rate_rad_s) {
     rate = is_known ? static_cast<float>(rate / (static_cast<double>(interval_ns) * 1e-9))
                     : std::numeric_limits<float>::quiet_NaN();

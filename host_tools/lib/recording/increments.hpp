@@ -14,7 +14,8 @@
 namespace zerorate::recording {
 
 /// Divides the angle of a row by the time since the row before, or the first row's by that to the
-/// next. Behind a gap the angle may be of one sample or of all the time: its rates are lost.
+/// next. Behind more than one and a half median intervals the angle may be of one sample or of all
+/// the time: its rates are lost.
 class RatesOfIncrements : public RowSource {
  public:
   /// @param rows  on one time line

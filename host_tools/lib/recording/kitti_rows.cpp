@@ -20,7 +20,9 @@ constexpr std::size_t kRate = 17;          // wx, wy, wz
 
 std::optional<std::filesystem::path> kitti_folder(const std::filesystem::path& path) {
   std::error_code ignored;
-  for (const auto& folder : {path, path / "oxts"}) {
+  // The folder of the samples is beside their stamps.
+  const auto above = path.filename() == "data" ? path.parent_path() : path;
+  for (const auto& folder : {path, path / "oxts", above}) {
     if (std::filesystem::exists(folder / "timestamps.txt", ignored) &&
         std::filesystem::is_directory(folder / "data", ignored)) {
       return folder;

@@ -19,6 +19,7 @@ constexpr double kGravity_m_s2 = 9.80665;  // 3rd CGPM, 1901
 constexpr std::array kQuantities = {
     Quantity{"t", Meaning::time, Dimension::time},
     Quantity{"t_ns", Meaning::nanoseconds},
+    Quantity{"t_us", Meaning::microseconds},
     Quantity{"gx", Meaning::rate, Dimension::rate, 0, 3},
     Quantity{"gy", Meaning::rate, Dimension::rate, 1, 3},
     Quantity{"gz", Meaning::rate, Dimension::rate, 2, 3},

@@ -17,6 +17,7 @@ namespace zerorate::recording {
 enum class Meaning : std::uint8_t {
   time,
   nanoseconds,
+  microseconds,
   rate,
   temperature,
   acceleration,

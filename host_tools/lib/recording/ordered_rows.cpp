@@ -18,15 +18,27 @@ constexpr std::size_t kCapacity = 3 * kSortedRows;
 constexpr std::size_t kMostStray = 3;
 constexpr std::int64_t kLongestPeriod_ns = 100'000'000'000'000;  // keeps sums within 64 bits
 
-struct Counter {
-  std::int64_t unit_ns;
-  int bits;
-  [[nodiscard]] std::int64_t range_ns() const { return unit_ns * (std::int64_t{1} << bits); }
-};
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-constexpr std::array kCounters{
-    Counter{1, 32},         Counter{1'000, 16},     Counter{1'000, 24},     Counter{1'000, 32},
-    Counter{1'000'000, 16}, Counter{1'000'000, 24}, Counter{1'000'000, 32},
+/// Range of a counter [ns]; eight counts of its unit are whole nanoseconds.
+constexpr std::int64_t range_of(double unit_ns, int bits) {
+  return static_cast<std::int64_t>(unit_ns * 8.0) * (std::int64_t{1} << (bits - 3));
+}
+
+/// Times after which clocks begin again: counters of ns, us and ms.
+constexpr std::array kCommonRanges_ns{range_of(1.0, 32), range_of(1e3, 16), range_of(1e3, 24),
+                                      range_of(1e3, 32), range_of(1e6, 16), range_of(1e6, 24),
+                                      range_of(1e6, 32)};
+/// Ranges that count only where a clock goes from their end to zero: counters of 31 bits; those in
+/// chips of 10, 25, 39.0625 and 100 us and of 1/32768 s; the second, half a day, the day and the
+/// week.
+constexpr std::array kOtherRanges_ns{
+    range_of(1e3, 31),      range_of(1e6, 31),      range_of(10e3, 16),     range_of(10e3, 24),
+    range_of(10e3, 32),     range_of(25e3, 16),     range_of(25e3, 24),     range_of(25e3, 32),
+    range_of(39'062.5, 16), range_of(39'062.5, 24), range_of(39'062.5, 32), range_of(100e3, 16),
+    range_of(100e3, 24),    range_of(100e3, 32),    2 * kSecond_ns,         512 * kSecond_ns,
+    131'072 * kSecond_ns,   1 * kSecond_ns,         43'200 * kSecond_ns,    86'400 * kSecond_ns,
+    604'800 * kSecond_ns,
 };
 
 }  // namespace
@@ -114,23 +126,29 @@ bool OrderedRows::is_wrap() {
   return true;
 }
 
+/// Chooses of several ranges the one with the shortest interval over its end.
 std::optional<std::int64_t> OrderedRows::range_of_wrap(std::int64_t latest_ns) const {
   const std::int64_t before_ns = latest_ns - offset_ns_;
   const Row& row = ahead_[judged_].row;
-  for (const Counter& counter : kCounters) {
-    const std::int64_t range_ns = counter.range_ns();
+  // Rows of a burst share a stamp, and the stamps are further apart than the rows.
+  const std::int64_t usual_ns = std::max(period_ns_, longest_step_ns_ / kGapPeriods);
+  std::optional<std::int64_t> best_ns;
+  const auto judge = [&](std::int64_t range_ns, bool is_common) {
     const std::int64_t interval_ns = row.time_ns + range_ns - before_ns;
-    if (interval_ns <= 0 || range_ns < 20 * period_ns_) continue;
+    if (interval_ns <= 0 || range_ns < 20 * usual_ns) return;
     const bool is_at_its_end = (before_ns < range_ns && row.time_ns >= 0) ||
                                (before_ns < range_ns / 2 && row.time_ns >= -range_ns / 2 &&
                                 row.time_ns < 0 && before_ns > 0);
-    const bool is_sample = interval_ns >= period_ns_ / 2 && interval_ns <= 2 * period_ns_;
-    if ((is_at_its_end && interval_ns <= 10 * period_ns_) ||
-        (is_sample && range_ns > 1'000 * period_ns_)) {
-      return range_ns;
-    }
-  }
-  return std::nullopt;
+    const bool is_sample =
+        is_common && interval_ns >= period_ns_ / 2 && interval_ns <= 2 * usual_ns;
+    if (!(is_at_its_end && interval_ns <= 10 * usual_ns) &&
+        !(is_sample && range_ns > 1'000 * usual_ns))
+      return;
+    if (!best_ns || range_ns < *best_ns) best_ns = range_ns;
+  };
+  for (const std::int64_t range_ns : kCommonRanges_ns) judge(range_ns, true);
+  for (const std::int64_t range_ns : kOtherRanges_ns) judge(range_ns, false);
+  return best_ns;
 }
 
 std::int64_t OrderedRows::on_time_line(const Row& row) const {

@@ -160,11 +160,11 @@ void SpreadRows::expect_stamps_with_digits() const {
   const bool is_long = sharing_ > kLong * shared_stamps_;
   const std::uint64_t fewest = is_long ? kFewestLongStamps : kFewestStamps;
   if (shared_stamps_ >= fewest || counted_ < kFewestRows || is_exception) return;
-  throw Error{
-      {name_},
-      fmt::format("only {} different stamps in {} rows: their digits were lost", stamps_, counted_),
-      "stamps that advance with the rows",
-      std::string(kCure)};
+  throw Error{{name_},
+              fmt::format("only {} different stamp{} in {} rows: their digits were lost", stamps_,
+                          stamps_ == 1 ? "" : "s", counted_),
+              "stamps that advance with the rows",
+              std::string(kCure)};
 }
 
 }  // namespace zerorate::recording

@@ -9,8 +9,8 @@
 
 namespace zerorate::truth {
 
-/// The same stops, with the turns that a heading gives when its delay is taken off. The error of
-/// the reference at its stops is estimated again, unless it was given.
+/// Takes a delay off the headings of a truth. The stops stay; turns and flaws of the drives are
+/// found again, and so is the error of the reference at its stops, unless it was given.
 /// @param delay_ns of the headings; negative: they are ahead
 [[nodiscard]] Truth without_delay(Truth truth, const Track& track, std::int64_t delay_ns);
 

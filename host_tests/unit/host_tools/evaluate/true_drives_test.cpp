@@ -228,6 +228,24 @@ TEST(DrivesAgainstAReference, HaveTheToleranceOfTheScaleFactor) {
   EXPECT_EQ(coverage(1e-6), 0.0);
 }
 
+TEST(DrivesOutsideTheirIntervals, NameTheDiagnosis) {
+  const zerorate::testing::ScratchFolder folder;
+  const auto drives_with = [&](double shift_dps) {
+    auto rows = rows_of_a_drive(1000.0, 10);
+    for (recording::Row& row : rows) {
+      if (row.ref_speed_m_s > 0.0F) {
+        row.rate_rad_s[2] += static_cast<float>(shift_dps * kRadPerDeg);
+      }
+    }
+    const auto path = testing::write_rows(folder.path() / "drive.csv.gz", kWithReference, rows);
+    return *replay_with_truth(path, {.model = sensor_model()}).result.true_drives;
+  };
+  EXPECT_EQ(doubt_of_coverage(drives_with(0.0)), "");
+  const TrueDrives shifted = drives_with(0.5);
+  EXPECT_NE(doubt_of_coverage(shifted).find("9 of 9 drives lie outside"), std::string::npos);
+  EXPECT_NE(summary(shifted, 3).find("zerorate diagnose"), std::string::npos);
+}
+
 TEST(DrivesAgainstAReference, AreNotScoredWithoutABiasOrAcrossAGap) {
   const zerorate::testing::ScratchFolder folder;
   auto rows = rows_of_a_drive(600.0, 8);

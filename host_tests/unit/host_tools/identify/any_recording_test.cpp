@@ -263,9 +263,9 @@ Counts try_recordings(std::uint64_t first, std::uint64_t count) {
 }
 
 /// The aim is 0 wrong recordings. The seeds of the ordinary run (1 to 200) meet it, and not all
-/// others do, so the slow run allows 1 %. Of the seeds up to 2000 five are wrong, and not mended:
-/// two sensors in one file whose levels differ by little, of which rows are lost (670, 917, 1273,
-/// 1534: N is that of both together, 30 % too small). Seed 415 errs by 10.2 %.
+/// others do, so the slow run allows 1 %. Of the seeds up to 2000 three are wrong, and not mended:
+/// two sensors in one file whose stamps were spoiled before (917, 1273), and one that errs by 10.2
+/// % (415).
 TEST(AnyRecording, HasFiguresThatAreRightOrIsRefused) {
   constexpr std::uint64_t kCount = ZERORATE_DAMAGED_RECORDINGS;
   constexpr std::uint64_t kMostWrong = kCount * ZERORATE_WRONG_RECORDINGS_OF_1000 / 1000;

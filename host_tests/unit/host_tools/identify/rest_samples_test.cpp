@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "host_tests/support/folders.hpp"
@@ -12,6 +15,7 @@ namespace zerorate::identify {
 namespace {
 
 using core::Duration;
+using core::Instant;
 
 /// Ten rows a second; the cell after the rate as `last` gives it for each row.
 template <class Last>
@@ -56,7 +60,9 @@ TEST(RestSamplesOfAGyroThatStarts, LeaveOutWhatItDidNotMeasure) {
   EXPECT_EQ(after_start(8, "-900").time.size(), 192U);
   EXPECT_EQ(after_start(8, "15").wild, 0U) << "14 standard deviations";
   EXPECT_EQ(after_start(1, "-900").wild, 0U) << "one alone";
-  EXPECT_EQ(after_start(60, "-900").wild, 0U) << "a level of its own";
+  EXPECT_EQ(after_start(60, "-900").wild, 60U) << "equal rows";
+  EXPECT_EQ(after_start(30, "1.5").wild, 30U) << "equal rows at the level of the others";
+  EXPECT_EQ(after_start(15, "1.5").wild, 0U) << "equal by chance";
 }
 
 TEST(RestSamples, LeaveOutLostRatesAndPlaceTheirStamps) {
@@ -133,6 +139,46 @@ TEST(OutliersOfRestSamples, AreFoundAndLeftOut) {
   const auto outliers = find_outliers(samples);
   EXPECT_THAT(outliers, ::testing::ElementsAre(40U, 200U, 201U, 202U));
   EXPECT_EQ(without(samples, outliers).time.size(), 296U);
+}
+
+/// Four minutes of noise at 100 Hz, with values up to twice `wild` instead of some of them.
+RestSamples with_wild(int first, int count, double wild) {
+  RestSamples samples{.axis_count = 1, .mean_period = Duration::milliseconds(10)};
+  for (int k = 0; k < 24'000; ++k) {
+    const bool is_wild = k >= first && k < first + count;
+    const double noise = std::sin(1e4 * std::sin(k + 1.0));
+    samples.time.push_back(Instant::from_ns(k * std::int64_t{10'000'000}));
+    samples.rate_rad_s.push_back(
+        {static_cast<float>(is_wild ? wild * (1.0 + std::sin(3.0 * k)) : noise)});
+  }
+  return samples;
+}
+
+TEST(WildStretches, AreFoundWhereverTheyAre) {
+  for (const int first : {0, 7'777, 23'970}) {
+    for (const int count : {1, 30}) {
+      const auto found = find_wild_stretches(with_wild(first, count, 3'000.0));
+      ASSERT_FALSE(found.empty()) << first << ", " << count;
+      EXPECT_LE(found.front(), static_cast<std::size_t>(first));
+      EXPECT_GE(found.back(), static_cast<std::size_t>(std::min(24'000, first + count) - 1));
+      EXPECT_LE(found.size(), 100U) << "two half seconds";
+    }
+  }
+}
+
+TEST(WildStretches, AreNoneInNoiseAStepOrADrift) {
+  EXPECT_THAT(find_wild_stretches(with_wild(0, 0, 0.0)), ::testing::IsEmpty());
+  RestSamples step = with_wild(0, 0, 0.0);
+  for (std::size_t k = 0; k < step.time.size(); ++k) {
+    step.rate_rad_s[k][0] += k < 12'000 ? 0.0F : 50.0F;
+  }
+  // The half second in which the step comes may belong to neither level.
+  EXPECT_LE(find_wild_stretches(step).size(), 50U);
+  RestSamples drift = with_wild(0, 0, 0.0);
+  for (std::size_t k = 0; k < drift.time.size(); ++k) {
+    drift.rate_rad_s[k][0] += 1e-3F * static_cast<float>(k);
+  }
+  EXPECT_THAT(find_wild_stretches(drift), ::testing::IsEmpty());
 }
 
 TEST(TickMeansOfRestSamples, AreAbsentWhereThereAreNoSamples) {

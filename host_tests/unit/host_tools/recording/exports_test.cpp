@@ -198,6 +198,7 @@ TEST_F(KittiFolder, IsReadAsItIs) {
   EXPECT_FLOAT_EQ(result.rows[1].rate_rad_s[2], 1.0F);
   EXPECT_FLOAT_EQ(result.rows[1].acceleration_m_s2[2], 9.8F);
   EXPECT_FALSE(result.rows[1].still) << "at 5 m/s";
+  EXPECT_EQ(read_whole(folder_.path() / "oxts" / "data").rows.size(), 2) << "beside its stamps";
 }
 
 TEST_F(KittiFolder, WithATornSampleNamesItsFile) {

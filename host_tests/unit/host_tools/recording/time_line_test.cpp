@@ -70,6 +70,31 @@ TEST(CounterOf32BitsOfMicroseconds, CountsOn) {
   EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
 }
 
+TEST(CounterOfAnotherUnit, CountsOnFromItsEndToZero) {
+  // 2^16 counts of 25 us and of 1/32768 s, 2^24 of 39.0625 us, 31 bits of us, the second, the day.
+  for (const double range_s : {1.6384, 2.0, 655.36, 2147.483648, 1.0, 86'400.0}) {
+    Stamps stamps;
+    for (int k = 0; k < 3'000; ++k) stamps.add(std::fmod(range_s - 0.501 + 0.01 * k, range_s));
+    const auto reading = stamps.read();
+    ASSERT_EQ(reading.time_s.size(), 3'000U);
+    EXPECT_NEAR(reading.time_s.back() - reading.time_s.front(), 29.99, 1e-4) << range_s;
+    EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U) << range_s;
+  }
+}
+
+TEST(CounterReadInBursts, CountsOn) {
+  constexpr double kRange_s = 65.536;
+  constexpr int kBurst = 20;
+  Stamps stamps;
+  for (int k = 0; k < 1'000; ++k) {
+    for (int i = 0; i < kBurst; ++i) stamps.add(std::fmod(60.0 + 0.2 * k, kRange_s));
+  }
+  const auto reading = stamps.read();
+  ASSERT_EQ(reading.time_s.size(), 20'000U);
+  EXPECT_NEAR(reading.time_s.back() - reading.time_s.front(), 199.99, 0.02);
+  EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
+}
+
 TEST(ClockSetBack, GoesOnAfterAPause) {
   Stamps stamps;
   stamps.add_even(7200.0, 0.1, 100);
@@ -201,7 +226,11 @@ TEST(FileOfAnAwkwardLogger, IsReadAsFarAsItIsWhole) {
   EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\n2", {}), ElementsAre(0, 1'000'000'000));
   EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\n" + std::string(512, '\0'), {}),
               ElementsAre(0, 1'000'000'000));
-  EXPECT_THAT(rows("t_s,rate_dps\ns,deg/s\n0,1\n1,1\n", {}), ElementsAre(0, 1'000'000'000));
+  for (const char* units : {"s,deg/s", "(sec),(deg/s)", ",[deg/s]"}) {
+    EXPECT_THAT(rows(std::string("t_s,rate_dps\n") + units + "\n0,1\n1,1\n", {}),
+                ElementsAre(0, 1'000'000'000));
+  }
+  EXPECT_THAT(rows("sep=,\nt_s,rate_dps\n0,1\n1,1\n \n", {}), ElementsAre(0, 1'000'000'000));
   EXPECT_THAT(rows("t_s,rate_dps\n0,1\n1,1\nt_s,rate_dps\n8,1\n9,1\n", {}),
               ElementsAre(0, 1'000'000'000, 8'000'000'000, 9'000'000'000));
   EXPECT_THAT(rows("a,b,c\nd\nt_s,rate_dps\n5,1\n", {.skipped_lines = 2}),
@@ -212,6 +241,10 @@ TEST(FileOfAnAwkwardLogger, IsReadAsFarAsItIsWhole) {
   stamps.set_columns("t=sec,t_ns=nsec");
   stamps.set_units("time=s");
   EXPECT_THAT(rows("sec,nsec,rate_dps\n5,250,1\n", stamps), ElementsAre(5'000'000'250));
+  Layout timeval;
+  timeval.set_columns("t=sec,t_us=usec");
+  timeval.set_units("time=s");
+  EXPECT_THAT(rows("sec,usec,rate_dps\n5,250,1\n", timeval), ElementsAre(5'000'250'000));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ double joint_gain(double by_errors_nats, const Variant& variant) {
 double surprisal_of(std::span<const Variant> variants, double gain_nats,
                     const DriveRegression& regression, const DriveFit& fit) {
   Eigen::Index columns = 0;
-  double share = 0.0;  // of the information, by the drives
+  double share = 0.0;  // part of the information that the drives have
   for (const Variant& variant : variants) columns += variant.share.columns.cols();
   if (columns > 0) {
     share = fit.share_of_drives.tail(columns).mean();

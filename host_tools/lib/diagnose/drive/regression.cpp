@@ -23,7 +23,7 @@ Eigen::MatrixXd squares_of(const Eigen::MatrixXd& rows) {
   return rows.transpose() * rows;
 }
 
-/// What drives and windows say of the coefficients, the factors of their variances left out.
+/// Information of drives and windows on the coefficients, the factors of their variances left out.
 struct Information {
   Eigen::MatrixXd drives;
   Eigen::MatrixXd windows;

@@ -83,6 +83,8 @@ std::vector<Record> records_of(const identify::RestSamples& samples,
   records.reserve(axes.size());
   for (const std::size_t axis : axes) {
     records.push_back(record_of(samples, axis));
+    identify::require_besides_motion(samples, records.back().size(), kFewestSamples,
+                                     "samples in the longest standstill");
     records.back().is_bias_taken_out = std::ranges::find(without_bias, axis) != without_bias.end();
   }
   return records;
