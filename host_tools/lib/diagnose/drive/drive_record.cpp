@@ -109,7 +109,7 @@ Eigen::VectorXd DriveRecord::errors() const {
 
 Eigen::MatrixXd DriveRecord::covariance() const {
   const std::vector<double> path_rad2 = squared_paths(*this);
-  // What rows with the same windows have in common: a wandering reference and the grades.
+  // Variance that rows with the same windows have in common, by a wandering reference and grades.
   const auto by_windows = [&](std::size_t shorter) {
     const double part = row(shorter).length_s / drives[drive_of(*this, shorter)].length_s;
     return std::pow(way_sigma_rad, 2) * part + std::pow(kApartOnGrades, 2) * path_rad2[shorter];
