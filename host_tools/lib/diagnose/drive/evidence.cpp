@@ -253,6 +253,8 @@ Eigen::MatrixXd EvidenceCollector::take_rest_off(const BiasProcess& process,
                                                  std::vector<Stretch>& windows) const {
   std::vector<Span> at_rest;
   std::vector<Span> on_the_way;
+  at_rest.reserve(rests.size());
+  on_the_way.reserve(windows.size());
   for (const Stretch& rest : rests) at_rest.push_back(rest.span);
   for (const Stretch& window : windows) on_the_way.push_back(window.span);
   const BiasForecast forecast = forecast_bias(process, at_rest, on_the_way);
