@@ -12,8 +12,8 @@
 namespace zerorate::identify {
 namespace {
 
-using units::kRadPerDeg;
 using units::kRadSPerDph;
+using zerorate::testing::kRadPerDeg;
 using zerorate::testing::rest_samples_of;
 using zerorate::testing::simulate_rest;
 

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <random>
 
+#include "host_tools/lib/units/units.hpp"
+
 namespace zerorate::identify {
 namespace {
 
@@ -57,7 +59,6 @@ TEST(SigmaBeforeRounding, IsWideWhereTheStepsHideIt) {
 
 /// Rates at 100 Hz in steps [deg/s], of white noise of one step a sample.
 RestSamples rounded(double step_dps) {
-  constexpr double kRadPerDeg = 0.017453292519943295;
   std::mt19937_64 random{32};
   std::normal_distribution<double> noise{0.3, 0.1};
   RestSamples samples{.axis_count = 1,
@@ -66,7 +67,7 @@ RestSamples rounded(double step_dps) {
   for (std::int64_t k = 0; k < 5'000; ++k) {
     const double rate = std::round(noise(random) / step_dps) * step_dps;
     samples.time.push_back(core::Instant::from_ns(k * 10'000'000));
-    samples.rate_rad_s.push_back({static_cast<float>(rate * kRadPerDeg)});
+    samples.rate_rad_s.push_back({static_cast<float>(rate * units::kRadPerDeg)});
   }
   return samples;
 }
