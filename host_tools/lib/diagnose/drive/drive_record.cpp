@@ -129,8 +129,11 @@ Eigen::MatrixXd DriveRecord::covariance() const {
 
 Eigen::MatrixXd picked_rows(const Eigen::MatrixXd& matrix, const std::vector<std::size_t>& rows) {
   Eigen::MatrixXd some(static_cast<Eigen::Index>(rows.size()), matrix.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    some.row(static_cast<Eigen::Index>(i)) = matrix.row(static_cast<Eigen::Index>(rows[i]));
+  for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      some(static_cast<Eigen::Index>(i), column) =
+          matrix(static_cast<Eigen::Index>(rows[i]), column);
+    }
   }
   return some;
 }

@@ -14,6 +14,13 @@ Residuals residuals_of(const Eigen::VectorXd& rows) {
   return {.size = static_cast<double>(rows.size()), .squares = rows.squaredNorm()};
 }
 
+/// Residuals of a fit without coefficients.
+Residuals all_left(const Eigen::VectorXd& rows) {
+  Residuals residuals = residuals_of(rows);
+  residuals.freedom = residuals.size;
+  return residuals;
+}
+
 /// Likeliest weight of a block of rows.
 double weight_of(const Residuals& rows) {
   return rows.size > 0.0 ? rows.size / rows.squares : 0.0;
@@ -30,7 +37,6 @@ struct Information {
 
   /// Covariance of the coefficients at some weights.
   [[nodiscard]] Eigen::MatrixXd inverse(double of_drives, double of_windows) const {
-    if (drives.size() == 0) return drives;
     const Eigen::MatrixXd both = of_drives * drives + of_windows * windows;
     return both.completeOrthogonalDecomposition().pseudoInverse();
   }
@@ -63,8 +69,10 @@ Eigen::MatrixXd DriveRegression::whitened(const Eigen::MatrixXd& columns) const 
 
 DriveFit DriveRegression::fit(const Share& share) const {
   const Eigen::VectorXd y = errors_ - Eigen::VectorXd(whitened(share.known));
-  const Eigen::MatrixXd x = whitened(share.columns);
   const Eigen::Index windows = y.size() - drives_;
+  if (share.columns.cols() == 0)
+    return {.drives = all_left(y.head(drives_)), .windows = all_left(y.tail(windows))};
+  const Eigen::MatrixXd x = whitened(share.columns);
   const Information information{.drives = squares_of(x.topRows(drives_)),
                                 .windows = squares_of(x.bottomRows(windows))};
   const Eigen::VectorXd by_drives = x.topRows(drives_).transpose() * y.head(drives_);
@@ -73,7 +81,7 @@ DriveFit DriveRegression::fit(const Share& share) const {
   double of_drives = 1.0;
   double of_windows = 1.0;
   constexpr int kSettled = 20;  // steps after which the factors change no more
-  const int steps = windows > 0 && x.cols() > 0 ? kSettled : 1;
+  const int steps = windows > 0 ? kSettled : 1;
   for (int step = 0; step < steps; ++step) {
     fit.coefficients = information.inverse(of_drives, of_windows) *
                        (of_drives * by_drives + of_windows * by_windows);
