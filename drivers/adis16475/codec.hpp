@@ -90,8 +90,8 @@ struct Burst {
   std::array<std::int16_t, 3> force{};
   std::int16_t temperature = 0;
   std::uint16_t counter = 0;  ///< DATA_CNTR: samples since the reset, modulo 2^16
-  /// Whether the checksum is that of the bytes, and some of them is not 0: the checksum of a line
-  /// that is stuck at 0 is right.
+  /// Whether the checksum is that of the bytes, and not all of them are 0: a line that is stuck at
+  /// 0 gives a right checksum.
   bool is_intact = false;
 };
 

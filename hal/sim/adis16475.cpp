@@ -45,8 +45,8 @@ bool is_read_only(std::uint8_t address) {
 
 void SimulatedAdis16475::reset_registers() {
   registers_.fill(0);
-  set_word(temp_out,
-           250);  // the chip measures while it starts; of that, only the warmth is modelled
+  // The chip measures while it starts; the warmth alone is modelled.
+  set_word(temp_out, 250);
   set_word(rang_mdl, part_.model);
   set_word(msc_ctrl, 0x00C1);
   set_word(0x66, 0x070A);  // NULL_CNFG

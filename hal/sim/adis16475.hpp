@@ -21,9 +21,9 @@ namespace zerorate::hal::sim {
 /// during which it is silent, start-up transient, rounding and clipping at 16 bits, temperature,
 /// data-ready that is active while the outputs are valid.
 ///
-/// Not modelled: the average of DEC_RATE and the filter (each conversion is one output), low words
-/// of the outputs, angle and velocity increments, synchronisation, bias estimation, self-test and
-/// flash: commands other than the reset do nothing.
+/// Not modelled: the average of DEC_RATE and the filter, as each conversion is one output; the low
+/// words, angle and velocity increments, synchronisation, bias estimation, self-test and flash.
+/// Commands other than the reset do nothing.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.

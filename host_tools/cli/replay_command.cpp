@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string_view>
+#include <string>
 #include <utility>
 
 #include "host_tools/cli/commands.hpp"
@@ -42,11 +42,10 @@ void print_unused(const recording::Columns& columns, const model::SensorModel& m
 }
 
 /// Reason why the node measured no bias.
-std::string_view lack_of_stops(bool has_odometer) {
-  if (!has_odometer) return "the node measured no bias, as no stop was long enough";
-  return "the node measured no bias, as no stop was long enough; where the odometer counts at "
-         "rest, "
-         "as an encoder that chatters does, --still-from gyro takes the calm of the gyro";
+std::string lack_of_stops(bool has_odometer) {
+  std::string reason = "the node measured no bias, as no stop was long enough";
+  if (has_odometer) reason += fmt::format("; {}", identify::kCalmForAnOdometer);
+  return reason;
 }
 
 ExitCode run_replay(const ReplayCommandOptions& options) {

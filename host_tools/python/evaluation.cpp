@@ -46,10 +46,7 @@ class Collector {
     const bool stands = sample.message.motion == core::Motion::still;
     if (stands && !stands_) ++periods_;
     stands_ = stands;
-    is_motion_recorded_ = is_motion_recorded_ || sample.moving;
-    const bool drives =
-        is_motion_recorded_ ? sample.moving : sample.message.motion == core::Motion::moving;
-    if (drives) periods_before_drive_ = periods_;
+    if (motion_.moves(sample)) periods_before_drive_ = periods_;
     add("still", stands && sample.message.has_rate() ? 1.0 : 0.0);
   }
 
@@ -98,7 +95,7 @@ class Collector {
   Details details_;
   double periods_ = 0.0;               ///< periods of rest that have begun
   double periods_before_drive_ = 0.0;  ///< those before the newest drive
-  bool is_motion_recorded_ = false;
+  evaluate::MotionOfReplay motion_;
   bool stands_ = false;
   std::vector<Departure> departures_;
 };

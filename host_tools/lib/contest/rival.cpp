@@ -220,18 +220,12 @@ std::unique_ptr<RivalBias> make_script(const Rival& rival, const recording::Inpu
 
 const RivalBias::Biases RivalBias::kUnknown{kNone, kNone, kNone};
 
-bool RivalBias::is_driven(const evaluate::ReplayedSample& sample) {
-  // The messages call the first second of a stop moving, too, where a recording says when it is.
-  is_motion_recorded_ = is_motion_recorded_ || sample.moving;
-  return is_motion_recorded_ ? sample.moving : sample.message.motion == core::Motion::moving;
-}
-
 void RivalBias::take(const evaluate::ReplayedSample& sample) {
   const bool stood = std::exchange(stood_, stands(sample));
   // A stop in which the calm is doubted for a while is still one: no drive parts it.
   if (stood_ && std::exchange(has_driven_, false)) held_rad_s_ = driven_rad_s_;
   bias_rad_s_ = follow(sample, bias_rad_s_);
-  const bool is_driving = is_driven(sample);
+  const bool is_driving = motion_.moves(sample);
   // Rest may have begun where the node still settles: what is learnt there came too late.
   if (is_driving || (stood && !stood_)) driven_rad_s_ = bias_rad_s_;
   has_driven_ = (has_driven_ || is_driving) && !stood_;

@@ -61,10 +61,7 @@ class RivalBias {
   Biases held_rad_s_ = kUnknown;
   bool stood_ = false;
   bool has_driven_ = false;  ///< since the newest rest
-  bool is_motion_recorded_ = false;
-
-  /// Whether the vehicle moves, by the recording where that says so.
-  bool is_driven(const evaluate::ReplayedSample& sample);
+  evaluate::MotionOfReplay motion_;
 
   static const Biases kUnknown;
 };

@@ -36,8 +36,8 @@ struct ModelFigures {
   std::optional<double> g_sensitivity_dps_per_g;  ///< standard deviation of a coefficient
 };
 
-/// Simulates white noise, 1/f noise and a constant bias of the model, and gives them to a node with
-/// the same model. Errors of the scale factor and of acceleration are not simulated: the vehicle
+/// Simulates white noise, 1/f noise and a constant bias of a model, and gives them to a node with
+/// that model. Errors of the scale factor and of acceleration are not simulated: the vehicle
 /// drives straight and level. Takes a tenth of a second or so.
 [[nodiscard]] ModelFigures figures_of(std::string name, const model::SensorModel& model,
                                       const StopAndGo& traffic);

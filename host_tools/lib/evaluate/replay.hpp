@@ -87,6 +87,19 @@ struct ReplayedSample {
   std::uint32_t learnt_ticks;  ///< filter ticks up to and with the newest one that was learnt
 };
 
+/// Whether the vehicle moves, sample by sample: by the recording from where that says so on, and by
+/// the node before. A node calls the first second of each stop moving, too.
+class MotionOfReplay {
+ public:
+  [[nodiscard]] bool moves(const ReplayedSample& sample) {
+    is_recorded_ = is_recorded_ || sample.moving;
+    return is_recorded_ ? sample.moving : sample.message.motion == core::Motion::moving;
+  }
+
+ private:
+  bool is_recorded_ = false;
+};
+
 /// One predictor's outcome over one drive of one axis.
 struct ReplayedDrive {
   std::size_t axis;

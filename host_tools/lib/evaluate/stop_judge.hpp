@@ -19,9 +19,10 @@ namespace zerorate::evaluate {
 ///
 /// The bias moves on in a long stop, as in one in which a battery is charged: its mean is not what
 /// the drive before it needed. As many ticks count as make the white noise of their mean half of
-/// the sigma that the Kalman predictor states for the first of them, on the axis that needs most;
-/// of a shorter stop all. Fewer count where the temperature or another input of the model moves the
-/// bias meanwhile, as in a stop with a charger: what was predicted holds for the inputs before.
+/// the sigma that the Kalman predictor states for the first of them, on the axis that needs most. A
+/// shorter stop counts as a whole. Fewer count where the temperature or another input of the model
+/// moves the bias meanwhile, as in a stop with a charger: what was predicted holds for the inputs
+/// before.
 template <class Node>
 class StopJudge {
  public:

@@ -25,11 +25,16 @@ struct Level {
 /// Rates in succession, or means of as many of them each [rad/s].
 using Series = std::vector<double>;
 
+Series series_of(const RestSamples& samples, std::size_t axis) {
+  Series series;
+  series.reserve(samples.rate_rad_s.size());
+  for (const auto& rate_rad_s : samples.rate_rad_s) series.push_back(double{rate_rad_s[axis]});
+  return series;
+}
+
 std::vector<Series> series_of(const RestSamples& samples) {
-  std::vector<Series> axes(samples.axis_count);
-  for (const auto& rate_rad_s : samples.rate_rad_s) {
-    for (std::size_t i = 0; i < axes.size(); ++i) axes[i].push_back(double{rate_rad_s[i]});
-  }
+  std::vector<Series> axes;
+  for (std::size_t i = 0; i < samples.axis_count; ++i) axes.push_back(series_of(samples, i));
   return axes;
 }
 
@@ -156,10 +161,9 @@ std::vector<std::size_t> axes_without_bias(const RestSamples& samples) {
 }
 
 std::optional<std::string> remark_on_mean(const RestSamples& samples, std::size_t axis) {
-  const std::vector<Series> axes = series_of(samples);
-  const std::optional<Level> level = near_zero(axes[axis]);
+  const std::optional<Level> level = near_zero(series_of(samples, axis));
   if (!level) return std::nullopt;
-  const std::vector<AxisLevel> in_doubt = levels_without_bias(axes);
+  const std::vector<AxisLevel> in_doubt = levels_without_bias(series_of(samples));
   if (std::ranges::find(in_doubt, axis, &AxisLevel::axis) != in_doubt.end()) return std::nullopt;
   return fmt::format(
       "The mean is {:.2g} deg/s, and means of tenths of the recording scatter by {:.2g} deg/s: was "

@@ -193,11 +193,8 @@ void leave_out_wild_start(RestSamples& samples) {
 /// End of a sentence about too short a rest; empty where motion took less than half of the rows.
 std::string share_of_motion(const RestSamples& samples) {
   if (2 * samples.moving < samples.rows) return "";
-  return fmt::format(
-      ". {} of {} rows were left out because the vehicle moved; where the odometer counts at rest, "
-      "as "
-      "an encoder that chatters does, --still-from gyro takes the calm of the gyro",
-      samples.moving, samples.rows);
+  return fmt::format(". {} of {} rows were left out because the vehicle moved; {}", samples.moving,
+                     samples.rows, kCalmForAnOdometer);
 }
 
 /// Throws recording::DataError where too little is left.

@@ -76,6 +76,11 @@ struct RestOptions {
 [[nodiscard]] RestSamples read_rest_samples(recording::Reader& reader,
                                             const RestOptions& options = {});
 
+/// Cure where an odometer leaves no stop, the end of a sentence.
+inline constexpr std::string_view kCalmForAnOdometer =
+    "where the odometer counts at rest, as an encoder that chatters does, --still-from gyro takes "
+    "the calm of the gyro";
+
 /// Throws recording::DataError where fewer are found than needed and motion took most of the rows:
 /// the sentence then names its share and what to do. An encoder that chatters leaves no stop of a
 /// whole drive.
@@ -89,8 +94,8 @@ void require_besides_motion(const RestSamples& samples, std::size_t found, std::
 
 /// Samples, by index, of half seconds whose mean lies 10 standard deviations from the median of the
 /// sixteen around them: wild values in longer runs, or at the start and the end. The deviation is
-/// that of most means. None where they are more than 5 %, which is the nature of the recording, and
-/// below 64 half seconds. Ascending.
+/// that of most means. Ascending. There are none below 64 half seconds, and none where they would
+/// be more than 5 %: so many are the nature of the recording.
 [[nodiscard]] std::vector<std::size_t> find_wild_stretches(const RestSamples& samples);
 
 /// The samples without some of them.

@@ -93,16 +93,17 @@ class Changes {
   double limit_ = 0.0;
 };
 
+/// Pairs of distances over which the contrasts of turns are looked at.
+constexpr std::size_t kPairs = 32;
+
 /// Distance of two levels that take turns, also where rows are lost [rad/s]: samples an odd number
 /// apart then differ more than those an even number apart, the less the further apart they are. A
 /// tone below half the sample rate reverses this over more samples, and differences of rounded
 /// angles show it at the first lag only. nullopt where that is not so.
-std::optional<double> distance_of_levels(const RestSamples& samples, std::size_t axis) {
-  constexpr std::size_t kPairs = 32;
+std::optional<double> distance_of_levels(const Changes& changes) {
   constexpr double kErrors = 6.0;
   constexpr double kShare =
       0.06;  // levels as far apart as their white noise, a third of the rows lost
-  const Changes changes{samples, axis};
   const double usual = changes.mean_square(2);
   const double error = 2.0 * usual / std::sqrt(changes.size());
   const double first = changes.contrast(0);
@@ -121,10 +122,8 @@ std::optional<double> distance_of_levels(const RestSamples& samples, std::size_t
 
 /// Typical change from sample to sample where it is larger than that over two samples, and no tone
 /// reverses this over more; nullopt otherwise [rad/s].
-std::optional<double> change_of_turns(const RestSamples& samples, std::size_t axis) {
+std::optional<double> change_of_turns(const Changes& changes) {
   constexpr double kLarger = 1.25;
-  constexpr std::size_t kPairs = 32;
-  const Changes changes{samples, axis};
   const double change = changes.median(1);
   if (!(change > kLarger * changes.median(2))) return std::nullopt;
   const double first = changes.contrast(0);
@@ -134,6 +133,13 @@ std::optional<double> change_of_turns(const RestSamples& samples, std::size_t ax
     if (changes.contrast(pair) < reversal) return std::nullopt;
   }
   return change;
+}
+
+/// How far two sensors are apart by all changes together; nullopt where no two take turns [rad/s].
+std::optional<double> distance_by_changes(const RestSamples& samples, std::size_t axis) {
+  const Changes changes{samples, axis};
+  const std::optional<double> distance = distance_of_levels(changes);
+  return distance ? distance : change_of_turns(changes);
 }
 
 }  // namespace
@@ -158,10 +164,9 @@ std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
       }
       double distance_rad_s = 0.5 * sum_rad_s / static_cast<double>(judged);
       if (2 * different <= judged) {
-        auto alternating = sensors == 2 ? distance_of_levels(samples, axis) : std::nullopt;
-        if (sensors == 2 && !alternating) alternating = change_of_turns(samples, axis);
-        if (!alternating) continue;
-        distance_rad_s = *alternating;
+        const auto by_changes = sensors == 2 ? distance_by_changes(samples, axis) : std::nullopt;
+        if (!by_changes) continue;
+        distance_rad_s = *by_changes;
       }
       return fmt::format(
           "axis {}: every {} sample has a level of its own, {:.3g} deg/s from the others: {} "

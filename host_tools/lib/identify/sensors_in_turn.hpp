@@ -11,8 +11,8 @@ namespace zerorate::identify {
 
 /// Sentence about a recording in which every second, third or fourth sample has a level of its own.
 /// Several sensors that write in turn make such a recording. The levels must differ by six of their
-/// errors in most of at most 64 blocks of 240 samples. Two levels are found by all changes together
-/// as well, where rows are lost, down to the size of their white noise. nullopt where none are.
+/// errors in most of at most 64 blocks of 240 samples. All changes together show two levels down to
+/// the size of their white noise, also where rows are lost. nullopt where there are none.
 [[nodiscard]] std::optional<std::string> sensors_in_turn(const RestSamples& samples);
 
 }  // namespace zerorate::identify

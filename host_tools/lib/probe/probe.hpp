@@ -64,9 +64,9 @@ Attempt ask(Bus bus) {
 /// Asks the chips on one chip select, at 1 MHz, which all of them take; one transaction a chip with
 /// registers, two a chip of frames or words.
 ///
-/// Chips with registers come first: to a chip of frames, their questions are broken frames. Chips
-/// of words come last, and only where no other chip was found: to a chip with 8-bit registers their
-/// question is a write of 0 to register 72h.
+/// Chips with registers come first: to a chip of frames, their questions are broken frames. Where
+/// no chip was found, those of words come last: to a chip with 8-bit registers their question is a
+/// write of 0 to register 72h.
 /// @param device  e.g. "/dev/spidev0.0"
 template <class System = hal::linux_os::SystemCalls>
 std::vector<Attempt> probe_spi(const std::string& device, System system = {}) {

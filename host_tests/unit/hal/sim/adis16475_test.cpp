@@ -165,7 +165,7 @@ TEST(SimulatedWordSpi, TakesWordsOf16Clocks) {
   ASSERT_TRUE(spi.transaction(std::array{Operation::exchange(read, reply)}));
   ASSERT_TRUE(spi.transaction(std::array{Operation::exchange(read, reply)}));
   EXPECT_EQ(reply, (std::array<std::uint8_t, 2>{0x40, 0x56})) << "16470";
-  // 24 clocks are no words: the chip says so in its status.
+  // 24 clocks are no words, which the status of the chip shows.
   std::array<std::uint8_t, 1> odd{};
   ASSERT_TRUE(spi.transaction(std::array{Operation::write(read), Operation::read(odd)}));
   const std::array<std::uint8_t, 2> status{0x02, 0x00};

@@ -53,23 +53,21 @@ std::vector<Alternative> rivals_of(const MotionChoice& choice, const MotionSelec
 
 /// The other variants of an effect, such as "bias_in_motion_by_metres", and how much less likely
 /// they are.
-std::vector<Alternative> variants_beside(const DriveRecord& record, const MotionChoice& choice,
+std::vector<Alternative> variants_beside(const MotionChoice& choice,
                                          const MotionSelection& selection,
                                          const std::vector<MotionChoice>& others) {
   std::vector<Alternative> beside;
-  const std::vector<Variant> variants = choice.effect->variants(record);
-  for (const Variant& variant : variants) {
+  for (const Variant& variant : selection.variants_of(*choice.effect)) {
     if (variant.by == choice.variant.by) continue;
-    const MotionChoice other = selection.weighed(*choice.effect, variant, variants.size(), others);
+    const MotionChoice other = selection.weighed(*choice.effect, variant, others);
     beside.push_back({fmt::format("{}_by_{}", choice.effect->name(), variant.by),
                       std::max(0.0, choice.evidence_nats - other.evidence_nats)});
   }
   return beside;
 }
 
-Cause cause_of(const DriveRecord& record, const MotionChoice& choice,
-               const MotionSelection& selection, const std::vector<MotionChoice>& others,
-               MotionDescription description) {
+Cause cause_of(const MotionChoice& choice, const MotionSelection& selection,
+               const std::vector<MotionChoice>& others, MotionDescription description) {
   std::vector<Alternative> rivals = rivals_of(choice, selection, others);
   const auto explanations = weigh(choice.effect->name(), choice.surprisal_nats, rivals);
   const auto own = std::ranges::find(explanations, choice.effect->name(), &Explanation::effect);
@@ -81,7 +79,7 @@ Cause cause_of(const DriveRecord& record, const MotionChoice& choice,
               .set95 = set95_of(explanations),
               .sentence = std::move(description.sentence)};
   // A variant of the effect does not speak against it.
-  std::ranges::move(variants_beside(record, choice, selection, others), std::back_inserter(rivals));
+  std::ranges::move(variants_beside(choice, selection, others), std::back_inserter(rivals));
   std::ranges::stable_sort(rivals, {}, &Alternative::less_likely_by_nats);
   std::ranges::copy_if(
       rivals, std::back_inserter(cause.alternatives),
@@ -238,8 +236,8 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
   diagnosis.gain = measure_drive_gain(record, chosen, tolerance);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const MotionFinding finding = finding_of(record, chosen, i, fit);
-    Cause cause = cause_of(record, chosen[i], selection, without(chosen, i),
-                           chosen[i].effect->describe(finding));
+    Cause cause =
+        cause_of(chosen[i], selection, without(chosen, i), chosen[i].effect->describe(finding));
     cause.heading_drift_ratio = drift_ratio_of(record, chosen, i);
     cause.left_out_because = cause.heading_drift_ratio->value < 1.0
                                  ? chosen[i].effect->add_to_model(finding, model)

@@ -13,8 +13,8 @@ constexpr double kMissedOnGrades = 1.1e-4;
 /// Its standard deviation in all turns alike, and that in each window by itself.
 constexpr double kAlikeOnGrades = 3e-4;
 constexpr double kApartOnGrades = 2e-4;
-/// Share that an axis misses by the lean in curves, half the square of its angle [1/g^2]: cars lean
-/// by 5 deg per g, robots by none. Its standard deviation is as large, nearly.
+/// Share that an axis misses by the lean in curves, half the square of the angle [1/g^2]. A car
+/// leans by some 5 deg per g, a robot by none, so that the standard deviation is nearly as large.
 constexpr double kMissedByLean_per_g2 = 3.8e-3;
 constexpr double kLeanSigma_per_g2 = 3e-3;
 

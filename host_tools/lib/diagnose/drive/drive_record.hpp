@@ -37,8 +37,8 @@ struct DriveEvidence {
   [[nodiscard]] double missed_rad() const;
 };
 
-/// A part of a drive from one straight moment to the next. In windows turns part from time and way,
-/// which grow alike over whole drives.
+/// A part of a drive from one straight moment to the next. Time, way and turns grow alike over
+/// whole drives, and apart in windows.
 struct Window {
   std::size_t drive = 0;  ///< place of its drive in the record
   std::size_t index = 0;  ///< place in its drive

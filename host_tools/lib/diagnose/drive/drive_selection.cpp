@@ -77,14 +77,23 @@ std::vector<MotionChoice> without(const std::vector<MotionChoice>& choices, std:
 
 MotionSelection::MotionSelection(const DriveRecord& record,
                                  std::span<const std::unique_ptr<MotionEffect>> effects)
-    : record_(record), effects_(effects), regression_(record) {}
+    : record_(record), effects_(static_cast<double>(effects.size())), regression_(record) {
+  for (const auto& effect : effects) {
+    if (effect->obstacle(record).empty()) {
+      candidates_.push_back({effect.get(), effect->variants(record)});
+    }
+  }
+}
+
+const std::vector<Variant>& MotionSelection::variants_of(const MotionEffect& effect) const {
+  return std::ranges::find(candidates_, &effect, &Candidate::effect)->variants;
+}
 
 DriveFit MotionSelection::fit(const std::vector<MotionChoice>& choices) const {
   return regression_.fit(joint_share(choices, record_));
 }
 
 MotionChoice MotionSelection::weighed(const MotionEffect& effect, const Variant& variant,
-                                      std::size_t variants,
                                       const std::vector<MotionChoice>& others) const {
   MotionChoice choice{.effect = &effect, .variant = variant};
   std::vector<MotionChoice> all = others;
@@ -92,21 +101,20 @@ MotionChoice MotionSelection::weighed(const MotionEffect& effect, const Variant&
   const DriveFit with = fit(all);
   choice.gain_nats = joint_gain(DriveRegression::gain(fit(others), with), variant);
   const double surprisal = surprisal_of({&variant, 1}, choice.gain_nats, regression_, with);
-  choice.surprisal_nats = std::max(0.0, surprisal - std::log(static_cast<double>(variants)));
+  choice.surprisal_nats =
+      std::max(0.0, surprisal - std::log(static_cast<double>(variants_of(effect).size())));
   choice.evidence_nats = choice.gain_nats + occam_nats(with, variant.prior_sigma);
   return choice;
 }
 
 std::vector<MotionChoice> MotionSelection::examine(const std::vector<MotionChoice>& chosen) const {
   std::vector<MotionChoice> examined;
-  for (const auto& effect : effects_) {
-    const bool is_chosen =
-        std::ranges::find(chosen, effect.get(), &MotionChoice::effect) != chosen.end();
-    if (is_chosen || !effect->obstacle(record_).empty()) continue;
-    const std::vector<Variant> variants = effect->variants(record_);
+  for (const Candidate& candidate : candidates_) {
+    if (std::ranges::find(chosen, candidate.effect, &MotionChoice::effect) != chosen.end())
+      continue;
     std::optional<MotionChoice> best;
-    for (const Variant& variant : variants) {
-      MotionChoice choice = weighed(*effect, variant, variants.size(), chosen);
+    for (const Variant& variant : candidate.variants) {
+      MotionChoice choice = weighed(*candidate.effect, variant, chosen);
       if (!best || choice.evidence_nats > best->evidence_nats) best = std::move(choice);
     }
     if (best) examined.push_back(std::move(*best));
@@ -143,13 +151,10 @@ bool MotionSelection::rests_on_many_drives(const MotionChoice& choice,
 void MotionSelection::grow(const MotionSet& set, std::size_t first,
                            std::vector<MotionSet>& sets) const {
   if (set.choices.size() == kMostCauses) return;
-  for (std::size_t i = first; i < effects_.size(); ++i) {
-    const MotionEffect& effect = *effects_[i];
-    if (!effect.obstacle(record_).empty()) continue;
-    const std::vector<Variant> variants = effect.variants(record_);
-    for (const Variant& variant : variants) {
+  for (std::size_t i = first; i < candidates_.size(); ++i) {
+    for (const Variant& variant : candidates_[i].variants) {
       MotionSet larger = set;
-      larger.choices.push_back(weighed(effect, variant, variants.size(), set.choices));
+      larger.choices.push_back(weighed(*candidates_[i].effect, variant, set.choices));
       larger.evidence_nats += larger.choices.back().evidence_nats;
       grow(larger, i + 1, sets);
       sets.push_back(std::move(larger));
@@ -161,8 +166,7 @@ std::vector<MotionChoice> MotionSelection::weighed_together(
     const std::vector<MotionChoice>& set) const {
   std::vector<MotionChoice> together;
   for (std::size_t i = 0; i < set.size(); ++i) {
-    const std::size_t variants = set[i].effect->variants(record_).size();
-    together.push_back(weighed(*set[i].effect, set[i].variant, variants, without(set, i)));
+    together.push_back(weighed(*set[i].effect, set[i].variant, without(set, i)));
   }
   return together;
 }
@@ -181,9 +185,8 @@ double MotionSelection::surprisal_of_pair(const MotionChoice& one, const MotionC
   const DriveFit with = fit(all);
   const double gain =
       joint_gain(joint_gain(DriveRegression::gain(fit(others), with), one.variant), other.variant);
-  const auto effects = static_cast<double>(effects_.size());
   const std::array both{one.variant, other.variant};
-  return surprisal_of(both, gain, regression_, with) - std::log(0.5 * effects * (effects - 1.0));
+  return surprisal_of(both, gain, regression_, with) - std::log(0.5 * effects_ * (effects_ - 1.0));
 }
 
 bool MotionSelection::is_reached(const std::vector<MotionChoice>& set) const {

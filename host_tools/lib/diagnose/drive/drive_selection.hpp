@@ -39,12 +39,19 @@ class MotionSelection {
   [[nodiscard]] std::vector<MotionChoice> examine(const std::vector<MotionChoice>& chosen) const;
   /// A choice, weighed beside the others.
   [[nodiscard]] MotionChoice weighed(const MotionEffect& effect, const Variant& variant,
-                                     std::size_t variants,
                                      const std::vector<MotionChoice>& others) const;
+  /// Variants of an effect that the record can show.
+  [[nodiscard]] const std::vector<Variant>& variants_of(const MotionEffect& effect) const;
   [[nodiscard]] DriveFit fit(const std::vector<MotionChoice>& choices) const;
 
  private:
-  /// Adds every set that a set and effects from the first-th on make.
+  /// An effect that the record can show.
+  struct Candidate {
+    const MotionEffect* effect = nullptr;
+    std::vector<Variant> variants;
+  };
+
+  /// Adds every set that a set and candidates from the first-th on make.
   void grow(const MotionSet& set, std::size_t first, std::vector<MotionSet>& sets) const;
   /// The choices, each weighed beside all others.
   [[nodiscard]] std::vector<MotionChoice> weighed_together(
@@ -62,7 +69,8 @@ class MotionSelection {
                                           const std::vector<MotionChoice>& others) const;
 
   const DriveRecord& record_;
-  std::span<const std::unique_ptr<MotionEffect>> effects_;
+  double effects_;  ///< number of all effects
+  std::vector<Candidate> candidates_;
   DriveRegression regression_;
 };
 

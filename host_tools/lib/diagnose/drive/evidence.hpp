@@ -76,8 +76,8 @@ class EvidenceCollector {
 };
 
 /// Replays a recording through a node, and collects the evidence of its drives. The node has no
-/// tolerance of the scale factor, because the errors show what there is. A delay of the reference
-/// that is found is taken off first.
+/// tolerance of the scale factor, because the errors show what there is. First the delay of the
+/// reference is taken off, where one is found.
 /// Throws recording::Error, recording::DataError and std::invalid_argument as evaluate::replay().
 [[nodiscard]] DriveRecord read_drive_record(const recording::Input& input,
                                             const truth::Track& track, const truth::Truth& given,

@@ -136,13 +136,13 @@ Estimate delay_with_error(const Trace& trace) {
   return {mean_s, student_half_width95(freedom) * sigma_s, sigma_s};
 }
 
-/// Headings that are older, or newer, than their time.
+/// Headings that are older, or newer, than their time. The trace is aligned: delay_of_reference().
 class ReferenceDelay final : public TraceEffect {
  public:
   [[nodiscard]] std::string_view name() const override { return "reference_delay"; }
   [[nodiscard]] std::optional<TraceFinding> find(const Trace& trace) const override {
     if (trace.drives.size() < kFewestDrives) return std::nullopt;
-    const Estimate delay = delay_with_error(aligned(trace));
+    const Estimate delay = delay_with_error(trace);
     const double least_s = std::max(kLeastDelay_s, trace.row_interval_s);
     if (!(std::abs(delay.value) - delay.half_width > least_s)) return std::nullopt;
     const auto freedom = static_cast<double>(trace.drives.size()) - 1.0;

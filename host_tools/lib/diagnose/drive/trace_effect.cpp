@@ -33,8 +33,8 @@ std::vector<TraceFinding> find_in_trace(Trace trace) {
     finding->effect = effect->name();
     findings.push_back(*std::move(finding));
   };
-  look_for(make_reference_delay());
   trace.delay_s = delay_of_reference(trace);
+  look_for(make_reference_delay());
   look_for(make_gap_in_turn());
   look_for(make_saturation_in_turn());
   look_for(make_reference_fault());
