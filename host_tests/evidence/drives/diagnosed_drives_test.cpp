@@ -1,6 +1,6 @@
 // Hours of drives between true stops with one error that rest does not show: the diagnosis names it
-// alone, with its size inside the interval, and names nothing where there is nothing. Prints a
-// table.
+// alone, with its size inside the interval, and names nothing where there is nothing. Prints a row
+// of a table for each kind.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -117,25 +117,33 @@ double least_share(double claimed) {
          0.5 / static_cast<double>(kSeeds);
 }
 
-TEST(HourOfDrives, IsDiagnosed) {
+class HourOfDrives : public ::testing::TestWithParam<Hidden> {};
+
+TEST_P(HourOfDrives, IsDiagnosed) {
+  const Hidden& hidden = GetParam();
+  const Tally tally = tally_of(hidden);
+  const bool is_nothing = hidden.name.empty();
   fmt::print("| hidden | size | drives | error, deg rms | left | named | alone | other variant | ");
   fmt::print("size inside |\n");
-  for (const Hidden& hidden : kinds()) {
-    const Tally tally = tally_of(hidden);
-    const bool is_nothing = hidden.name.empty();
-    fmt::print("| {} | {:g} | {:.0f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n",
-               is_nothing ? "nothing" : hidden.name, hidden.size, tally.drives, tally.before_deg,
-               tally.after_deg, is_nothing ? tally.nothing : tally.named, tally.alone, tally.alike,
-               tally.covered);
-    if (is_nothing) {
-      EXPECT_GE(tally.nothing, least_share(0.98));
-    } else {
-      EXPECT_GE(tally.named, least_share(0.95)) << hidden.name;
-      EXPECT_GE(tally.alone, least_share(0.95)) << hidden.name;
-      EXPECT_GE(tally.covered, least_share(0.95)) << hidden.name;
-    }
+  fmt::print("| {} | {:g} | {:.0f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n",
+             is_nothing ? "nothing" : hidden.name, hidden.size, tally.drives, tally.before_deg,
+             tally.after_deg, is_nothing ? tally.nothing : tally.named, tally.alone, tally.alike,
+             tally.covered);
+  if (is_nothing) {
+    EXPECT_GE(tally.nothing, least_share(0.98));
+    return;
   }
+  EXPECT_GE(tally.named, least_share(0.95));
+  EXPECT_GE(tally.alone, least_share(0.95));
+  EXPECT_GE(tally.covered, least_share(0.95));
 }
+
+std::string name_of(const ::testing::TestParamInfo<Hidden>& kind) {
+  const std::string& name = kind.param.name.empty() ? "nothing" : kind.param.name;
+  return fmt::format("{}_{}", name, std::lround(1000.0 * kind.param.size));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, HourOfDrives, ::testing::ValuesIn(kinds()), name_of);
 
 }  // namespace
 }  // namespace zerorate::diagnose
