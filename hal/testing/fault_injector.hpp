@@ -36,12 +36,9 @@ struct Fault {
   [[nodiscard]] bool hits(std::size_t call) const { return call >= first && call - first < calls; }
 };
 
-/// Wraps any SpiDevice or I2cBus; without faults it changes nothing.
-template <class BackEnd>
-class FaultInjector {
+/// Faults that wait for their transactions, and the count of these.
+class Faults {
  public:
-  explicit FaultInjector(BackEnd& back_end) : back_end_(&back_end) {}
-
   void inject(const Fault& fault) { faults_.push_back(fault); }
   /// Something that happens in front of a transaction: the chip measures.
   void before(std::size_t call, std::function<void()> event) {
@@ -52,17 +49,7 @@ class FaultInjector {
   /// How many transactions there were: the number of the next one.
   [[nodiscard]] std::size_t calls() const { return calls_; }
 
-  core::Result<void, BusError> transaction(
-      std::span<const Operation> operations) requires SpiDevice<BackEnd> {
-    return run(operations, [&] { return back_end_->transaction(operations); });
-  }
-
-  core::Result<void, BusError> transaction(
-      I2cAddress address, std::span<const Operation> operations) requires I2cBus<BackEnd> {
-    return run(operations, [&] { return back_end_->transaction(address, operations); });
-  }
-
- private:
+ protected:
   template <class Forward>
   core::Result<void, BusError> run(std::span<const Operation> operations, Forward forward) {
     const std::size_t call = calls_++;
@@ -73,6 +60,7 @@ class FaultInjector {
     return forward();
   }
 
+ private:
   template <class Forward>
   core::Result<void, BusError> fail(const Fault& fault, std::span<const Operation> operations,
                                     Forward forward) {
@@ -103,11 +91,30 @@ class FaultInjector {
     }
   }
 
-  BackEnd* back_end_;
   std::vector<Fault> faults_;
   std::size_t calls_ = 0;
   std::function<void()> event_;
   std::size_t event_at_ = 0;
+};
+
+/// Wraps any SpiDevice or I2cBus; without faults it changes nothing.
+template <class BackEnd>
+class FaultInjector : public Faults {
+ public:
+  explicit FaultInjector(BackEnd& back_end) : back_end_(&back_end) {}
+
+  core::Result<void, BusError> transaction(
+      std::span<const Operation> operations) requires SpiDevice<BackEnd> {
+    return run(operations, [&] { return back_end_->transaction(operations); });
+  }
+
+  core::Result<void, BusError> transaction(
+      I2cAddress address, std::span<const Operation> operations) requires I2cBus<BackEnd> {
+    return run(operations, [&] { return back_end_->transaction(address, operations); });
+  }
+
+ private:
+  BackEnd* back_end_;
 };
 
 }  // namespace zerorate::hal::testing

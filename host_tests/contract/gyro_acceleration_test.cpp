@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "host_tests/contract/gyro_wirings.hpp"
+#include "host_tests/contract/any_gyro.hpp"
 
 namespace zerorate::contract {
 namespace {
@@ -18,8 +18,6 @@ namespace {
 using core::deg_per_s;
 using core::GyroSample;
 using core::standard_gravity;
-using support::Rates;
-using Force = std::array<core::Acceleration, 3>;
 
 constexpr Rates kBend{deg_per_s(10.0F), deg_per_s(-20.0F), deg_per_s(30.0F)};
 
@@ -27,151 +25,123 @@ Force in_g(float x, float y, float z) {
   return {standard_gravity(x), standard_gravity(y), standard_gravity(z)};
 }
 
-/// Wiring of the same chip with the driver of the gyro alone.
-template <class Wiring>
-struct PlainOf;
-template <template <class> class Over, class Gyro>
-struct PlainOf<Over<Gyro>> {
-  using Type = Over<typename Gyro::Plain>;
-};
-template <class Gyro>
-struct PlainOf<support::OverI2cTwice<Gyro>> {
-  using Type = support::OverI2c<typename Gyro::Plain>;
-};
-
-/// Every sample that waits, read as the node's loop does.
-template <class Rig>
-std::vector<GyroSample> read_all(Rig& rig) {
-  std::vector<GyroSample> all;
-  std::array<GyroSample, 16> out{};
-  std::size_t count = out.size();
-  while (count == out.size()) {
-    count = rig.read(out).value_or(0);
-    all.insert(all.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  return all;
-}
-
-template <class Wiring>
-class GyroAcceleration : public ::testing::Test {
+class GyroAcceleration : public ::testing::TestWithParam<AnyGyro> {
  protected:
-  using Gyro = typename Wiring::Gyro;
-  using Rig = support::GyroRig<Wiring>;
-  static constexpr std::array kModes = {Gyro::kDataReady, Gyro::kFifo};
-
   /// Half an LSB, and the rounding of values up to the range on both ways.
-  static constexpr float kTolerance_g = 0.5F * Gyro::kLsbG + 4.0F * Gyro::kRangeG * 0x1p-24F;
+  static float tolerance_g() {
+    return 0.5F * GetParam().lsb_g + 4.0F * GetParam().range_g * 0x1p-24F;
+  }
 
   static void expect_force(const GyroSample& sample, const Force& sent) {
     ASSERT_TRUE(sample.has_acceleration);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(sample.acceleration[axis].in(standard_gravity), sent[axis].in(standard_gravity),
-                  kTolerance_g);
+                  tolerance_g());
     }
   }
   static void expect_bend(const GyroSample& sample) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(sample.rate[axis].in(deg_per_s), kBend[axis].in(deg_per_s),
-                  0.51F * Gyro::kLsbDps);
+                  0.51F * GetParam().lsb_dps);
     }
   }
 };
-TYPED_TEST_SUITE(GyroAcceleration, GyrosWithAcceleration, WiringName);
+INSTANTIATE_TEST_SUITE_P(Every, GyroAcceleration, ::testing::ValuesIn(gyros_with_acceleration()),
+                         name_of);
 
-TYPED_TEST(GyroAcceleration, IsOneGUpwardsAtRest) {
-  for (const auto& settings : TestFixture::kModes) {
-    typename TestFixture::Rig rig{settings};
-    ASSERT_TRUE(rig.start_and_settle());
-    rig.sample(kBend);
+TEST_P(GyroAcceleration, IsOneGUpwardsAtRest) {
+  for (const auto& settings : kModes) {
+    const auto rig = GetParam().rig(settings);
+    ASSERT_TRUE(rig->start_and_settle());
+    rig->sample(kBend);
     std::array<GyroSample, 4> out{};
-    ASSERT_EQ(rig.read(out).value_or(0), 1U);
-    TestFixture::expect_force(out[0], in_g(0.0F, 0.0F, 1.0F));
-    TestFixture::expect_bend(out[0]);
+    ASSERT_EQ(rig->read(out).value_or(0), 1U);
+    expect_force(out[0], in_g(0.0F, 0.0F, 1.0F));
+    expect_bend(out[0]);
   }
 }
 
-TYPED_TEST(GyroAcceleration, FollowsEachAxisAndSignToHalfAnLsb) {
-  for (const auto& settings : TestFixture::kModes) {
-    typename TestFixture::Rig rig{settings};
-    ASSERT_TRUE(rig.start_and_settle());
+TEST_P(GyroAcceleration, FollowsEachAxisAndSignToHalfAnLsb) {
+  for (const auto& settings : kModes) {
+    const auto rig = GetParam().rig(settings);
+    ASSERT_TRUE(rig->start_and_settle());
     std::mt19937 random{20261127};
-    constexpr float kSpan = 0.99F * TypeParam::Gyro::kRangeG;
-    std::uniform_real_distribution<float> force{-kSpan, kSpan};
+    const float span_g = 0.99F * GetParam().range_g;
+    std::uniform_real_distribution<float> force{-span_g, span_g};
     for (int i = 0; i < 200; ++i) {
       const Force sent = in_g(force(random), force(random), force(random));
-      rig.chip.set_specific_force(sent);
-      rig.sample(kBend);
+      rig->set_specific_force(sent);
+      rig->sample(kBend);
       std::array<GyroSample, 4> out{};
-      ASSERT_EQ(rig.read(out).value_or(0), 1U);
-      TestFixture::expect_force(out[0], sent);
+      ASSERT_EQ(rig->read(out).value_or(0), 1U);
+      expect_force(out[0], sent);
     }
   }
 }
 
-TYPED_TEST(GyroAcceleration, StaysWithItsSampleInABatch) {
-  if constexpr (!requires { TypeParam::Gyro::kFifoCapacity; }) GTEST_SKIP() << "no FIFO";
-  typename TestFixture::Rig rig{TypeParam::Gyro::kFifo};
-  ASSERT_TRUE(rig.start_and_settle());
+TEST_P(GyroAcceleration, StaysWithItsSampleInABatch) {
+  if (GetParam().fifo_capacity == 0) GTEST_SKIP() << "no FIFO";
+  const auto rig = GetParam().rig(kFifo);
+  ASSERT_TRUE(rig->start_and_settle());
   const auto force = [](int i) { return in_g(0.01F * static_cast<float>(i), -0.5F, 1.0F); };
   for (int i = 0; i < 30; ++i) {
-    rig.chip.set_specific_force(force(i));
-    rig.sample({deg_per_s(static_cast<float>(i)), {}, {}});
+    rig->set_specific_force(force(i));
+    rig->sample({deg_per_s(static_cast<float>(i)), {}, {}});
   }
-  const std::vector<GyroSample> all = read_all(rig);
+  const std::vector<GyroSample> all = rig->read_all();
   ASSERT_EQ(all.size(), 30U);
   for (int i = 0; i < 30; ++i) {
     const GyroSample& sample = all[static_cast<std::size_t>(i)];
     EXPECT_NEAR(sample.rate[0].in(deg_per_s), static_cast<float>(i), 0.005F);
-    EXPECT_EQ(sample.time, rig.clock.now() - rig.driver.sample_period() * (29 - i));
-    TestFixture::expect_force(sample, force(i));
+    EXPECT_EQ(sample.time, rig->clock().now() - rig->sample_period() * (29 - i));
+    expect_force(sample, force(i));
   }
 }
 
-TYPED_TEST(GyroAcceleration, IsInvalidWhereAnAxisIsSaturated) {
-  for (const auto& settings : TestFixture::kModes) {
-    typename TestFixture::Rig rig{settings};
-    ASSERT_TRUE(rig.start_and_settle());
+TEST_P(GyroAcceleration, IsInvalidWhereAnAxisIsSaturated) {
+  for (const auto& settings : kModes) {
+    const auto rig = GetParam().rig(settings);
+    ASSERT_TRUE(rig->start_and_settle());
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (const float beyond_g : {1.5F, -1.5F}) {
         Force force = in_g(0.1F, 0.2F, 0.3F);
-        force[axis] = standard_gravity(beyond_g * TypeParam::Gyro::kRangeG);
-        rig.chip.set_specific_force(force);
-        rig.sample(kBend);
-        rig.chip.set_specific_force(in_g(0.1F, 0.2F, 0.3F));
-        rig.sample(kBend);
-        const std::vector<GyroSample> all = read_all(rig);
+        force[axis] = standard_gravity(beyond_g * GetParam().range_g);
+        rig->set_specific_force(force);
+        rig->sample(kBend);
+        rig->set_specific_force(in_g(0.1F, 0.2F, 0.3F));
+        rig->sample(kBend);
+        const std::vector<GyroSample> all = rig->read_all();
         ASSERT_GE(all.size(), 1U);  // the newest, where there is no FIFO
-        TestFixture::expect_force(all.back(), in_g(0.1F, 0.2F, 0.3F));
+        expect_force(all.back(), in_g(0.1F, 0.2F, 0.3F));
         if (all.size() == 2) {
           EXPECT_FALSE(all[0].has_acceleration);
           EXPECT_EQ(all[0].saturated_axes, 0) << "the gyro is not saturated";
-          TestFixture::expect_bend(all[0]);
+          expect_bend(all[0]);
         }
       }
     }
   }
 }
 
-TYPED_TEST(GyroAcceleration, LeavesTheSamplesOfTheGyroBitForBit) {
-  using PlainRig = support::GyroRig<typename PlainOf<TypeParam>::Type>;
-  for (const auto& settings : TestFixture::kModes) {
-    typename TestFixture::Rig rig{settings};
-    PlainRig plain{settings};
-    ASSERT_TRUE(rig.start_and_settle());
-    ASSERT_TRUE(plain.start_and_settle());
-    ASSERT_EQ(rig.driver.sample_period(), plain.driver.sample_period());
-    const core::Duration apart = rig.clock.now() - plain.clock.now();
+TEST_P(GyroAcceleration, LeavesTheSamplesOfTheGyroBitForBit) {
+  for (const auto& settings : kModes) {
+    const auto rig = GetParam().rig(settings);
+    const auto plain = GetParam().make_plain(settings, {});
+    ASSERT_TRUE(rig->start_and_settle());
+    ASSERT_TRUE(plain->start_and_settle());
+    ASSERT_EQ(rig->sample_period(), plain->sample_period());
+    const core::Duration apart = rig->clock().now() - plain->clock().now();
     std::mt19937 random{20261128};
     std::uniform_real_distribution<float> rate{-300.0F, 300.0F};
     for (int i = 0; i < 300; ++i) {
       const Rates sent{deg_per_s(rate(random)), deg_per_s(rate(random)), deg_per_s(rate(random))};
-      rig.chip.set_specific_force(in_g(rate(random), 0.0F, 1.0F));
+      rig->set_specific_force(in_g(rate(random), 0.0F, 1.0F));
       const auto temperature = core::Temperature::from_degc(0.1F * static_cast<float>(i));
-      rig.sample(sent, temperature);
-      plain.sample(sent, temperature);
+      rig->sample(sent, temperature);
+      plain->sample(sent, temperature);
       if (i % 7 != 0) continue;
-      const std::vector<GyroSample> all = read_all(rig);
-      const std::vector<GyroSample> expected = read_all(plain);
+      const std::vector<GyroSample> all = rig->read_all();
+      const std::vector<GyroSample> expected = plain->read_all();
       ASSERT_EQ(all.size(), expected.size());
       for (std::size_t n = 0; n < all.size(); ++n) {
         EXPECT_EQ(all[n].time - apart, expected[n].time);
@@ -185,17 +155,17 @@ TYPED_TEST(GyroAcceleration, LeavesTheSamplesOfTheGyroBitForBit) {
   }
 }
 
-TYPED_TEST(GyroAcceleration, MayBeLostWithoutLossOfTheRate) {
-  if (!TypeParam::Gyro::kCanLoseAcceleration) GTEST_SKIP() << "a frame has both or neither";
+TEST_P(GyroAcceleration, MayBeLostWithoutLossOfTheRate) {
+  if (!GetParam().can_lose_acceleration) GTEST_SKIP() << "a frame has both or neither";
   for (const int lost : {1, 2, 5}) {
-    typename TestFixture::Rig rig{TypeParam::Gyro::kFifo};
-    ASSERT_TRUE(rig.start_and_settle());
+    const auto rig = GetParam().rig(kFifo);
+    ASSERT_TRUE(rig->start_and_settle());
     std::vector<GyroSample> all;
     for (int i = 0; i < 20; ++i) {
-      if (i == 8) rig.chip.lose_accelerations(lost);
-      rig.sample({deg_per_s(static_cast<float>(i)), {}, {}});
+      if (i == 8) rig->lose_accelerations(lost);
+      rig->sample({deg_per_s(static_cast<float>(i)), {}, {}});
       if (i % 10 != 9) continue;
-      for (const GyroSample& sample : read_all(rig)) all.push_back(sample);
+      for (const GyroSample& sample : rig->read_all()) all.push_back(sample);
     }
     ASSERT_EQ(all.size(), 20U);
     core::Instant last{};
@@ -204,10 +174,10 @@ TYPED_TEST(GyroAcceleration, MayBeLostWithoutLossOfTheRate) {
       const GyroSample& sample = all[static_cast<std::size_t>(i)];
       EXPECT_NEAR(sample.rate[0].in(deg_per_s), static_cast<float>(i), 0.005F);
       without += sample.has_acceleration ? 0 : 1;
-      if (TypeParam::Gyro::kAccelerationIsMarked) {
+      if (GetParam().acceleration_is_marked) {
         EXPECT_EQ(sample.has_acceleration, i < 8 || i >= 8 + lost) << i;
       }
-      EXPECT_LE(sample.time, rig.clock.now());
+      EXPECT_LE(sample.time, rig->clock().now());
       EXPECT_GT(sample.time, last);
       last = sample.time;
     }
@@ -215,19 +185,18 @@ TYPED_TEST(GyroAcceleration, MayBeLostWithoutLossOfTheRate) {
   }
 }
 
-TYPED_TEST(GyroAcceleration, HasTheNoiseOfTheSensor) {
-  typename TestFixture::Rig rig{TypeParam::Gyro::kFifo};
-  ASSERT_TRUE(rig.start_and_settle());
+TEST_P(GyroAcceleration, HasTheNoiseOfTheSensor) {
+  const auto rig = GetParam().rig(kFifo);
+  ASSERT_TRUE(rig->start_and_settle());
   constexpr double kSigma_g = 5e-3;
   constexpr int kSamples = 2000;
-  rig.chip.set_specific_force(in_g(0.2F, 0.0F, 1.0F),
-                              standard_gravity(static_cast<float>(kSigma_g)));
+  rig->set_specific_force(in_g(0.2F, 0.0F, 1.0F), standard_gravity(static_cast<float>(kSigma_g)));
   double sum = 0.0;
   double squares = 0.0;
   for (int i = 0; i < kSamples; ++i) {
-    rig.sample({});
+    rig->sample({});
     std::array<GyroSample, 2> out{};
-    ASSERT_EQ(rig.read(out).value_or(0), 1U);
+    ASSERT_EQ(rig->read(out).value_or(0), 1U);
     ASSERT_TRUE(out[0].has_acceleration);
     const double error = static_cast<double>(out[0].acceleration[0].in(standard_gravity)) - 0.2;
     sum += error;
@@ -240,15 +209,15 @@ TYPED_TEST(GyroAcceleration, HasTheNoiseOfTheSensor) {
               kSigma_g * (5.0 / std::sqrt(2.0 * kSamples) + 0.01));
 }
 
-TYPED_TEST(GyroAcceleration, OfThePowerUpNeverComesOut) {
-  for (const auto& settings : TestFixture::kModes) {
-    typename TestFixture::Rig rig{settings};
-    ASSERT_TRUE(rig.start());
+TEST_P(GyroAcceleration, OfThePowerUpNeverComesOut) {
+  for (const auto& settings : kModes) {
+    const auto rig = GetParam().rig(settings);
+    ASSERT_TRUE(rig->start());
     int count = 0;
     for (int i = 0; i < 60; ++i) {
-      rig.sample({});
-      for (const GyroSample& sample : read_all(rig)) {
-        TestFixture::expect_force(sample, in_g(0.0F, 0.0F, 1.0F));
+      rig->sample({});
+      for (const GyroSample& sample : rig->read_all()) {
+        expect_force(sample, in_g(0.0F, 0.0F, 1.0F));
         ++count;
       }
     }

@@ -88,6 +88,7 @@ struct Lsm6dsox
 template <class SimulatedChip, class SettingsOfChip>
 struct Lsm6dslFamily : Lsm6Family<SimulatedChip, SettingsOfChip, false> {
   static constexpr SettingsOfChip kFifo{.fifo_watermark = 200};  // none
+  static constexpr std::size_t kFifoCapacity = 0;
   static constexpr std::array kConfigured{ConfiguredBits{0x12, 0xFF}, ConfiguredBits{0x13, 0x42},
                                           ConfiguredBits{0x16, 0xC0}, ConfiguredBits{0x10, 0xF0},
                                           ConfiguredBits{0x0D, 0xFF}, ConfiguredBits{0x07, 0xFF},
