@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host_tests/evidence/drives/diagnosed_hour.hpp"
+#include "host_tests/support/repetitions.hpp"
 #include "host_tools/lab/campaign/drive_hour.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -20,8 +21,8 @@ namespace {
 
 using units::kRadPerDeg;
 
-constexpr std::uint64_t kSeeds = ZERORATE_SEEDS;
-constexpr double kShare = 1.0 / static_cast<double>(kSeeds);
+const std::uint64_t kSeeds = zerorate::testing::repetitions(8);
+const double kShare = 1.0 / static_cast<double>(kSeeds);
 
 /// One error, hidden in the drives.
 struct Hidden {

@@ -1,4 +1,5 @@
 #include "host_tools/lib/identify/innovations_fit.hpp"
+#include "host_tests/support/repetitions.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +22,8 @@ using zerorate::testing::RestNoise;
 using zerorate::testing::simulate_rest;
 
 /// 1000, or fewer in the default run, which says less (see the tolerances).
-constexpr std::size_t kRuns = ZERORATE_RECOVERY_RUNS;
+const std::size_t kCount = zerorate::testing::repetitions(40);
+const auto kRuns = static_cast<double>(kCount);
 
 /// Simulated noise. A record of ARFIMA noise at one sample a tick agrees with the filter's model
 /// it is; with several samples a tick, averaging and aliasing bend the flicker noise just below
@@ -60,9 +62,9 @@ class Recovery {
     const double spread = std::sqrt(squared_error_ / kRuns - bias * bias);
     const double coverage = held_ / kRuns;
     std::printf("%-20s bias %+.2f %% +- %.2f, spread over stated error %.3f, coverage %.3f\n", what,
-                100.0 * bias / truth_, 100.0 * spread / truth_ / std::sqrt(double{kRuns}),
+                100.0 * bias / truth_, 100.0 * spread / truth_ / std::sqrt(kRuns),
                 spread / (stated_ / kRuns), coverage);
-    const double error_of_bias = spread / std::sqrt(double{kRuns});
+    const double error_of_bias = spread / std::sqrt(kRuns);
     EXPECT_NEAR(bias, 0.0, std::max(0.02 * truth_, 3.0 * error_of_bias)) << what;
     EXPECT_NEAR(coverage, 0.95, std::max(0.02, 3.0 * std::sqrt(0.95 * 0.05 / kRuns))) << what;
   }
@@ -80,7 +82,7 @@ void expect_recovery(const Scenario& scenario) {
   Recovery white(noise.angle_random_walk_dps_per_sqrt_hz * kRadPerDeg);
   Recovery flicker(noise.bias_instability_dph / 3600.0 * kRadPerDeg);
   Recovery free_order(noise.order);
-  for (std::size_t run = 0; run < kRuns; ++run) {
+  for (std::size_t run = 0; run < kCount; ++run) {
     simulate::Signal signal = simulate_rest(noise, scenario.samples, scenario.period_s, run);
     if (scenario.stop > 0) zerorate::testing::drop_drives(signal, scenario.stop);
     const InnovationsFit fit = characterize_run(signal, scenario.order);
@@ -116,11 +118,11 @@ TEST(InnovationsFit, RecoversTheOrderToo) {
 
 TEST(InnovationsFit, CallsWhiteNoiseFlickerAsRarelyAsItSays) {
   std::size_t alarms = 0;
-  for (std::size_t run = 0; run < kRuns; ++run) {
+  for (std::size_t run = 0; run < kCount; ++run) {
     const auto signal = simulate_rest({.bias_instability_dph = 0.0}, 5'000, 0.1, run);
     if (characterize_run(signal, std::nullopt).flicker) ++alarms;
   }
-  std::printf("false alarms: %zu of %zu\n", alarms, kRuns);
+  std::printf("false alarms: %zu of %zu\n", alarms, kCount);
   // 1 % and three standard deviations of a count: 19 of 1000.
   const double expected = 0.01 * kRuns;
   EXPECT_LE(static_cast<double>(alarms), expected + 3.0 * std::sqrt(expected));

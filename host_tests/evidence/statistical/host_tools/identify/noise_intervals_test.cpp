@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host_tests/support/repetitions.hpp"
 #include "host_tests/support/simulated_rest.hpp"
 #include "host_tools/lib/identify/characterize.hpp"
 
@@ -23,8 +24,8 @@ using zerorate::testing::rest_samples_of;
 using zerorate::testing::RestNoise;
 
 /// Recordings of each case; in the slow run also longer and faster ones.
-constexpr std::uint64_t kRuns = ZERORATE_RECOVERY_RUNS;
-constexpr bool kIsSlow = kRuns >= 100;
+const std::uint64_t kRuns = zerorate::testing::repetitions(4);
+const bool kIsSlow = kRuns >= 100;
 
 struct Case {
   RestNoise noise;

@@ -1,0 +1,17 @@
+/// @file
+/// How often a statistical test repeats what it does.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+namespace zerorate::testing {
+
+/// The usual number, or that of $ZERORATE_REPETITIONS: `./test --slow` asks for more.
+inline std::uint64_t repetitions(std::uint64_t usual) {
+  const char* const asked = std::getenv("ZERORATE_REPETITIONS");
+  return asked == nullptr ? usual : std::stoull(asked);
+}
+
+}  // namespace zerorate::testing
