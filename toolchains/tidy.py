@@ -5,9 +5,9 @@ usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
 
 Compile flags come from BUILD_FOLDER/compile_commands.json, of a build that compiles file by file. Its precompiled
 headers are left out: a file that forgets an include fails here. Each .cpp answers for the headers of its folder too.
-Flashed code is mostly headers: those are checked one by one. The sources of host_tools are read together, all of one
-folder and target as one translation unit, because most of the time goes into the headers of their libraries. That
-costs two checks, of unused aliases and using-declarations, which look only at the main file.
+The headers of a folder of flashed code are read together as one translation unit, and so are the sources of a folder and
+target of host_tools, because most of the time goes into what they include. That costs two checks, of unused aliases
+and using-declarations, which look only at the main file. The analyzer is asked to look at headers.
 
 The results stand in $XDG_CACHE_HOME/zerorate-tidy (~/.cache where that is not set). A result counts again only where
 the tool, its configuration, the flags and every byte of every file that was read are the same. The bytes are hashed
@@ -29,9 +29,8 @@ import tempfile
 
 FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools")
 HOSTED = re.compile(r"(host_tools/|firmware/model|hal/(sim|testing|linux)).*\.hpp$")
-# Sources that are read together. Flashed code is not among them: the analyzer, which is among its checks, looks closely
-# only at the main file.
-TOGETHER = re.compile(r"host_tools/.*\.cpp$")
+# Files that are read together.
+TOGETHER = re.compile(r"host_tools/.*\.cpp$|.*\.hpp$")
 TARGET = re.compile(r" -o \S*?CMakeFiles/([^/]+)\.dir/")
 # Files that CMake makes: their flags are none to borrow.
 GENERATED = re.compile(r"/cmake_pch\.hxx\.cxx$|_verify_interface_header_sets/")
@@ -39,6 +38,7 @@ INCLUDED = re.compile(r"^\.+ (.*)$")
 # Flags of GCC that clang refuses, and the warnings for those that it knows by another meaning or not at all.
 GCC_ONLY = ("-fcx-limited-range", "--param=")
 EXTRA_FLAGS = ["-Wno-double-promotion", "-Wno-ignored-optimization-argument", "-Wno-unknown-warning-option"]
+HEADER_FLAGS = ["-Xclang", "-analyzer-opt-analyze-headers"]
 KEPT_RUNS = 4  # as many states of one file are remembered, for branches to switch between
 
 
@@ -139,8 +139,7 @@ def units(files, flags):
     """The files in tuples: those that are read together, and each other one alone."""
     groups = {}
     for file in files:
-        together = TOGETHER.match(file) and flags.target_of(file)
-        key = (os.path.dirname(file), flags.target_of(file), *flags.of(file)) if together else file
+        key = (os.path.dirname(file), flags.target_of(file), *flags.of(file)) if TOGETHER.match(file) else file
         groups.setdefault(key, []).append(file)
     return [tuple(group) for group in groups.values()]
 
@@ -152,10 +151,11 @@ class Tidy:
 
     def check(self, files):
         """(whether the files were remembered as clean, what clang-tidy finds in them: empty where nothing)."""
-        folder, flags = os.path.dirname(files[0]), self._flags.of(files[0])
+        folder = os.path.dirname(files[0])
+        flags = self._flags.of(files[0]) + EXTRA_FLAGS + (HEADER_FLAGS if files[0].endswith(".hpp") else [])
         configuration = [content_digest(above / ".clang-tidy") for above in (self._root / files[0]).parents]
         key = digest(*files, self._version, *configuration,
-                     *(flag.replace(str(self._root), "") for flag in flags + EXTRA_FLAGS))
+                     *(flag.replace(str(self._root), "") for flag in flags))
         if self._cache.has(key):
             return True, ""
         with tempfile.TemporaryDirectory() as scratch:
@@ -163,7 +163,7 @@ class Tidy:
             # -H prints the path of every header that is read.
             run = subprocess.run(
                 ["clang-tidy", "--quiet", *overlay, f"--header-filter={self._answers_for(folder, files)}", main, "--",
-                 *flags, *EXTRA_FLAGS, "-H"], cwd=self._root, capture_output=True, text=True)
+                 *flags, "-H"], cwd=self._root, capture_output=True, text=True)
         lines = [(INCLUDED.match(line), line) for line in run.stderr.splitlines()]
         if run.returncode == 0:
             included = [os.path.join(self._root, match[1]) for match, _ in lines if match]

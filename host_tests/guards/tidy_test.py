@@ -111,6 +111,17 @@ class SourcesOfOneTarget(Project):
                     self.write(self.root, source, "")
 
 
+class HeadersOfOneFolder(Project):
+    HEADERS = ("core/a.hpp", "core/b.hpp")
+
+    def test_are_analysed_together(self):
+        self.write(self.root, ".clang-tidy", "Checks: '-*,clang-analyzer-core.*'\nWarningsAsErrors: '*'\n")
+        self.write(self.root, "core/b.hpp", "#pragma once\ninline int one() { return 1; }\n")
+        self.assertEqual(self.tidy(file=self.HEADERS), (0, "2 files: 0 unchanged since they were clean, 0 with findings"))
+        self.write(self.root, "core/b.hpp", "#pragma once\ninline int none() { int* at = nullptr; return *at; }\n")
+        self.assertEqual(self.tidy(file=self.HEADERS), (1, "2 files: 0 unchanged since they were clean, 2 with findings"))
+
+
 class OurConfiguration(Project):
     def test_refuses_untidy_code(self):
         self.write(self.root, ".clang-tidy", (REPOSITORY / ".clang-tidy").read_text(encoding="utf-8"))

@@ -104,6 +104,8 @@ set(ZERORATE_STANDARD_HEADERS <algorithm> <array> <cmath> <cstdint> <functional>
   <stdexcept> <string> <string_view> <utility> <variant> <vector>)
 zerorate_precompiled_headers(zerorate_standard_headers HEADERS ${ZERORATE_STANDARD_HEADERS})
 
+option(ZERORATE_EVERY_HEADER "Compile each header of host_tools on its own, too" OFF)
+
 # zerorate_leaf(NAME [HOSTED] [FOLDER folder] [SOURCES files...] [DEPENDS targets...])
 #
 # Declares the library of a folder (that of the CMakeLists.txt unless given; SOURCES are relative to it) as
@@ -112,7 +114,7 @@ zerorate_precompiled_headers(zerorate_standard_headers HEADERS ${ZERORATE_STANDA
 # system, double precision and exceptions; the others are compiled for the microcontrollers too.
 # The folder's headers form a header set: the target all_verify_interface_header_sets compiles each
 # of them on its own, so that a template which nothing uses yet is still compiled for every processor: what is flashed
-# for the microcontrollers, hosted headers on the host.
+# for the microcontrollers, hosted headers on the host, those of host_tools in `./test --slow` alone.
 function(zerorate_leaf name)
   cmake_parse_arguments(leaf "HOSTED" "FOLDER" "SOURCES;DEPENDS" ${ARGN})
   cmake_path(APPEND CMAKE_CURRENT_SOURCE_DIR "${leaf_FOLDER}" OUTPUT_VARIABLE folder)
@@ -137,7 +139,11 @@ function(zerorate_leaf name)
   if(headers)
     target_sources(zerorate_${name} INTERFACE
       FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${headers})
-    if(leaf_HOSTED OR CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    set(is_tool OFF)
+    if(folder MATCHES "^${PROJECT_SOURCE_DIR}/host_tools/" AND NOT ZERORATE_EVERY_HEADER)
+      set(is_tool ON)
+    endif()
+    if((leaf_HOSTED AND NOT is_tool) OR CMAKE_SYSTEM_NAME STREQUAL "Generic")
       set_target_properties(zerorate_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
     endif()
   endif()
