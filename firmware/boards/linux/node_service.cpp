@@ -120,10 +120,12 @@ void NodeService::hand_over() {
                      .heading = node_.heading(),
                      .reference_error_number = hardware_.reference_error_number()};
   const app::LoopCounters& counters = offered_status_.counters;
-  const bool is_failing = !offered_status_.is_running || counters.odometer_errors != 0 ||
-                          counters.read_errors != asked_read_errors_;
-  asked_read_errors_ = counters.read_errors;
-  if (is_failing) offered_status_.reasons = hardware_.reasons(loop_.counters().last_error.code);
+  const std::uint32_t failures = counters.read_errors + counters.configurations_lost;
+  if (!loop_.is_running() || counters.odometer_errors != 0 || failures != asked_failures_)
+    reasons_ = hardware_.reasons(counters.last_error.code);
+  asked_failures_ = failures;
+  // Kept, because a status that was not read yet may be written over, as at the end.
+  offered_status_.reasons = reasons_;
   handover_.store(Handover::ready, std::memory_order_release);
 }
 

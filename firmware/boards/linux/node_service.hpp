@@ -144,7 +144,8 @@ class NodeService {
   ReferenceCounters references_;
   std::atomic<std::uint32_t> turns_ = 0;
   std::atomic<Handover> handover_ = Handover::idle;
-  std::uint32_t asked_read_errors_ = 0;  ///< read errors whose reasons were asked for
+  std::uint32_t asked_failures_ = 0;  ///< failures of the gyro whose reasons were asked for
+  HardwareReasons reasons_;           ///< of the newest failure
   ServiceStatus
       offered_status_;  ///< written by the measuring thread while requested, read while ready
 
