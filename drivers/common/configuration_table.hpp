@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/base/result.hpp"
 #include "drivers/common/driver_error.hpp"
@@ -49,6 +50,17 @@ template <std::size_t N, std::size_t M>
   return all;
 }
 
+/// Entries with others behind the last one.
+template <std::size_t N, std::size_t M>
+[[nodiscard]] constexpr std::array<ConfigurationEntry, N + M> followed_by(
+    const std::array<ConfigurationEntry, N>& entries,
+    const std::array<ConfigurationEntry, M>& others) {
+  std::array<ConfigurationEntry, N + M> all{};
+  std::copy(entries.begin(), entries.end(), all.begin());
+  std::copy(others.begin(), others.end(), all.begin() + N);
+  return all;
+}
+
 /// N entries, applied in the order of the table: switch the sensor on in the last one.
 template <std::size_t N>
 class ConfigurationTable {
@@ -60,7 +72,12 @@ class ConfigurationTable {
   /// error: bus_failed, or configuration_lost if a register does not take its value.
   template <RegisterBus Bus>
   core::Result<void, DriverError> apply(Bus& bus) {
-    for (const ConfigurationEntry& entry : entries_) {
+    return apply(bus, 0, N);
+  }
+  /// Entries from `first` to before `end` alone.
+  template <RegisterBus Bus>
+  core::Result<void, DriverError> apply(Bus& bus, std::size_t first, std::size_t end) {
+    for (const ConfigurationEntry& entry : std::span{entries_}.subspan(first, end - first)) {
       const auto before = read(bus, entry);
       if (!before) return core::Unexpected{before.error()};
       if (const auto done = bus.write(entry.address, entry.applied_to(*before)); !done) {

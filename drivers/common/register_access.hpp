@@ -28,6 +28,26 @@ concept RegisterBus = requires(Bus& bus, std::uint8_t address, std::span<std::ui
   { bus.write(address, address) } -> std::same_as<core::Result<void, hal::BusError>>;
 };
 
+/// Address and values of one transaction; at most kMostBurst values. The chip decides whether they
+/// go to one register or to consecutive ones.
+class BurstCommand {
+ public:
+  static constexpr std::size_t kMostBurst = 64;
+  constexpr BurstCommand(std::uint8_t address, std::span<const std::uint8_t> values)
+      : size_(1 + values.size()) {
+    ZERORATE_ASSERT(values.size() <= kMostBurst);
+    bytes_[0] = address;
+    std::copy(values.begin(), values.end(), bytes_.begin() + 1);
+  }
+  [[nodiscard]] constexpr std::span<const std::uint8_t> bytes() const {
+    return std::span{bytes_}.first(size_);
+  }
+
+ private:
+  std::array<std::uint8_t, 1 + kMostBurst> bytes_{};
+  std::size_t size_;
+};
+
 /// Registers over SPI as ST, Bosch and TDK arrange them: the address in 7 bits, bit 7 set to read.
 /// Holds a reference: the device must outlive it.
 template <hal::SpiDevice Device>
@@ -49,48 +69,6 @@ class SpiRegisters {
     const std::array operations{hal::Operation::write(command)};
     return device_->transaction(operations);
   }
-
- private:
-  static constexpr std::uint8_t kRead = 0x80;
-  Device* device_;
-};
-
-/// Values for one register, in one transaction; at most kMostBurst of them.
-class BurstCommand {
- public:
-  static constexpr std::size_t kMostBurst = 64;
-  constexpr BurstCommand(std::uint8_t address, std::span<const std::uint8_t> values)
-      : size_(1 + values.size()) {
-    ZERORATE_ASSERT(values.size() <= kMostBurst);
-    bytes_[0] = address;
-    std::copy(values.begin(), values.end(), bytes_.begin() + 1);
-  }
-  [[nodiscard]] constexpr std::span<const std::uint8_t> bytes() const {
-    return std::span{bytes_}.first(size_);
-  }
-
- private:
-  std::array<std::uint8_t, 1 + kMostBurst> bytes_{};
-  std::size_t size_;
-};
-
-/// Registers over SPI as some of Bosch's dies have them: a byte without meaning comes before what
-/// is read. Holds a reference: the device must outlive it.
-template <hal::SpiDevice Device>
-class SpiRegistersWithDummy {
- public:
-  constexpr explicit SpiRegistersWithDummy(Device& device) : device_(&device) {}
-
-  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
-    const std::array<std::uint8_t, 1> command{static_cast<std::uint8_t>(first | kRead)};
-    std::array<std::uint8_t, 1> dummy{};
-    const std::array operations{hal::Operation::write(command), hal::Operation::read(dummy),
-                                hal::Operation::read(out)};
-    return device_->transaction(operations);
-  }
-  core::Result<void, hal::BusError> write(std::uint8_t address, std::uint8_t value) {
-    return write(address, std::span<const std::uint8_t>{&value, 1});
-  }
   core::Result<void, hal::BusError> write(std::uint8_t address,
                                           std::span<const std::uint8_t> values) {
     const BurstCommand command{address, values};
@@ -98,10 +76,28 @@ class SpiRegistersWithDummy {
     return device_->transaction(operations);
   }
 
- private:
+ protected:
   static constexpr std::uint8_t kRead = 0x80;
   Device* device_;
 };
+
+/// Registers over SPI as some of Bosch's dies have them: a byte without meaning comes before what
+/// is read. Holds a reference: the device must outlive it.
+template <hal::SpiDevice Device>
+class SpiRegistersWithDummy : public SpiRegisters<Device> {
+ public:
+  using SpiRegisters<Device>::SpiRegisters;
+
+  core::Result<void, hal::BusError> read(std::uint8_t first, std::span<std::uint8_t> out) {
+    const std::array<std::uint8_t, 1> command{static_cast<std::uint8_t>(first | this->kRead)};
+    std::array<std::uint8_t, 1> dummy{};
+    const std::array operations{hal::Operation::write(command), hal::Operation::read(dummy),
+                                hal::Operation::read(out)};
+    return this->device_->transaction(operations);
+  }
+};
+template <hal::SpiDevice Device>
+SpiRegistersWithDummy(Device&) -> SpiRegistersWithDummy<Device>;
 
 /// Registers over I2C: the address is written first, and a read follows a repeated START.
 /// Holds a reference: the bus must outlive it.
@@ -141,7 +137,7 @@ inline constexpr bool kIsSpi<SpiRegisters<Device>> = true;
 template <hal::SpiDevice Device>
 inline constexpr bool kIsSpi<SpiRegistersWithDummy<Device>> = true;
 
-/// A bus that writes several values to one register, at most BurstCommand::kMostBurst.
+/// A bus that writes several values in one transaction, at most BurstCommand::kMostBurst.
 template <class Bus>
 concept BurstBus = RegisterBus<Bus> && requires(Bus& bus, std::span<const std::uint8_t> values) {
   { bus.write(std::uint8_t{}, values) } -> std::same_as<core::Result<void, hal::BusError>>;

@@ -7,6 +7,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
+#include "drivers/common/packet_gyro.hpp"
 #include "drivers/icm42688/registers.hpp"
 
 namespace zerorate::drivers::icm42688 {
@@ -41,8 +42,6 @@ enum class OutputDataRate : std::uint8_t {
 /// Ends of the range, where the chip clips (DS-000347, rev. 1.2, 12.8: valid are -32766 to 32767).
 inline constexpr std::int16_t kHighestRaw = 32767;
 inline constexpr std::int16_t kLowestRaw = -32766;
-/// Stands for "no sample".
-inline constexpr std::int16_t kInvalidRaw = -32768;
 
 /// The rate of one LSB: full scale by 2^15. The datasheet rounds its inverse to three digits.
 [[nodiscard]] constexpr core::AngularRate lsb(FullScale full_scale) {
@@ -70,7 +69,7 @@ struct FifoStatus {
   bool is_full;           ///< it was full since INT_STATUS was last read: samples may be lost
   bool is_plausible;      ///< the bit that is always 0 is 0, and the FIFO can hold so much
 };
-template <unsigned kPacketBytes = kFifoPacketBytes>
+template <unsigned kPacketBytes = kShortPacketBytes>
 [[nodiscard]] constexpr FifoStatus decode_fifo_status(std::uint8_t int_status,
                                                       std::uint8_t count_high,
                                                       std::uint8_t count_low) {
@@ -78,21 +77,6 @@ template <unsigned kPacketBytes = kFifoPacketBytes>
   return {static_cast<std::uint16_t>(bytes / kPacketBytes),
           (int_status & bits::kIntStatusFifoFull) != 0,
           (int_status & bits::kIntStatusAlwaysZero) == 0 && bytes <= kFifoBytes};
-}
-
-/// Content of a FIFO packet as its header has it: message, accelerometer, gyro, 20 bits. The other
-/// bits mark time stamps and changes of rate.
-inline constexpr std::uint8_t kHeaderContent = 0xF0;
-
-/// True for the header of a FIFO packet with gyro data alone, 16 bits.
-[[nodiscard]] constexpr bool is_gyro_header(std::uint8_t header) {
-  constexpr std::uint8_t kGyroAlone = 0x20;
-  return (header & kHeaderContent) == kGyroAlone;
-}
-/// True for the header of a FIFO packet with data of both sensors, 16 bits.
-[[nodiscard]] constexpr bool is_header_of_both(std::uint8_t header) {
-  constexpr std::uint8_t kAccelAndGyro = 0x60;
-  return (header & kHeaderContent) == kAccelAndGyro;
 }
 
 /// GYRO_CONFIG0: range and rate.

@@ -70,10 +70,6 @@ inline constexpr std::uint8_t kIntSource0FifoThs = 0x04;
 inline constexpr std::uint8_t kRegBankSelBank = 0x07;
 }  // namespace bits
 
-/// "Packet 2" of the FIFO: header, six bytes of gyro, one of temperature (DS-000347, chapter 6).
-inline constexpr unsigned kFifoPacketBytes = 8;
-/// "Packet 3": header, six bytes of accelerometer, six of gyro, one of temperature, two of time.
-inline constexpr unsigned kLongPacketBytes = 16;
 inline constexpr unsigned kFifoBytes = 2048;
 
 }  // namespace zerorate::drivers::icm42688

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "hal/sim/conversion.hpp"
 
@@ -95,7 +94,6 @@ void SimulatedIcm42688::reset_registers() {
   registers_[int_source0] = 0x10;
   registers_[who_am_i] = identity_;
   fifo_.clear();
-  fifo_cursor_ = 0;
   is_flushed_ = false;
 }
 
@@ -149,12 +147,6 @@ void SimulatedIcm42688::measure_acceleration() {
   }
 }
 
-std::size_t SimulatedIcm42688::fifo_level() const {
-  std::size_t bytes = 0;
-  for (const Packet& packet : fifo_) bytes += packet.size();
-  return bytes;
-}
-
 std::size_t SimulatedIcm42688::watermark_bytes() const {
   return registers_[fifo_config2] + 256U * (registers_[fifo_config3] & 0x0FU);
 }
@@ -166,44 +158,29 @@ void SimulatedIcm42688::push_packet(core::Temperature temperature) {
   if (mode == 0 || (content & 0x12U) != 0x02U) return;  // 20 bits, or without the gyro
   const std::size_t size = has_acceleration ? 16 : 8;
   constexpr unsigned kStream = 1;
-  while (fifo_level() + size > kFifoBytes) {
+  while (fifo_.bytes() + size > kFifoBytes) {
     if (mode != kStream) return;
-    fifo_.pop_front();
-    fifo_cursor_ = 0;
+    fifo_.drop_oldest();
   }
-  Packet packet{static_cast<std::uint8_t>(has_acceleration ? 0x60 : 0x20)};
-  const auto append = [&](std::size_t first) {
-    const auto words = std::span{registers_}.subspan(first, 6);
-    packet.insert(packet.end(), words.begin(), words.end());
-  };
-  if (has_acceleration) append(accel_data_x1);
-  append(gyro_data_x1);
+  PacketFifo::Packet packet{static_cast<std::uint8_t>(has_acceleration ? 0x60 : 0x20)};
+  if (has_acceleration) PacketFifo::append(packet, registers_, accel_data_x1);
+  PacketFifo::append(packet, registers_, gyro_data_x1);
   const double counts = (static_cast<double>(temperature.degc()) - 25.0) * 2.07;
   packet.push_back(low_byte(to_counts(counts, -128, 127)));
   packet.resize(size);  // two bytes of a time stamp, which is not modelled
-  fifo_.push_back(packet);
-  if (fifo_level() == kFifoBytes) registers_[int_status] |= 0x02U;         // FIFO_FULL
-  if (fifo_level() >= watermark_bytes()) registers_[int_status] |= 0x04U;  // THS
-}
-
-std::uint8_t SimulatedIcm42688::read_fifo_byte() {
-  if (fifo_.empty()) return 0xFF;
-  const std::uint8_t byte = fifo_.front().at(fifo_cursor_++);
-  if (fifo_cursor_ == fifo_.front().size()) {
-    fifo_.pop_front();
-    fifo_cursor_ = 0;
-  }
-  return byte;
+  fifo_.push(packet);
+  if (fifo_.bytes() == kFifoBytes) registers_[int_status] |= 0x02U;         // FIFO_FULL
+  if (fifo_.bytes() >= watermark_bytes()) registers_[int_status] |= 0x04U;  // THS
 }
 
 std::uint8_t SimulatedIcm42688::read_register(std::uint8_t address) {
   address &= 0x7FU;
   if (address == reg_bank_sel) return registers_[reg_bank_sel];
   if ((registers_[reg_bank_sel] & 7U) != 0) return 0;
-  if (address == fifo_data) return read_fifo_byte();
+  if (address == fifo_data) return fifo_.read_byte();
   // Without FIFO_RESUME_PARTIAL_RD a packet is read whole or again.
-  if ((registers_[fifo_config1] & 0x40U) == 0) fifo_cursor_ = 0;
-  const std::size_t level = is_flushed_ ? 0 : fifo_level() - fifo_cursor_;
+  if ((registers_[fifo_config1] & 0x40U) == 0) fifo_.rewind();
+  const std::size_t level = is_flushed_ ? 0 : fifo_.bytes() - fifo_.cursor();
   if (address == fifo_countl) is_flushed_ = false;
   if (address == fifo_counth) return static_cast<std::uint8_t>(level >> 8U);
   if (address == fifo_countl) return static_cast<std::uint8_t>(level & 0xFFU);
@@ -238,7 +215,6 @@ void SimulatedIcm42688::write_register(std::uint8_t address, std::uint8_t value)
   const bool is_flush = address == signal_path_reset && (value & 0x02U) != 0;
   const bool is_bypass = (registers_[fifo_config] >> 6U) == 0;
   if (is_flush || is_bypass) fifo_.clear();
-  if (fifo_.empty()) fifo_cursor_ = 0;
   is_flushed_ = is_flushed_ || is_flush;
   registers_[signal_path_reset] = 0;  // clears itself
 }
@@ -250,7 +226,7 @@ std::uint8_t SimulatedIcm42688::next_address(std::uint8_t address) const {
 /// In pulsed mode the pin is low again long before anybody looks at it.
 void SimulatedIcm42688::pulse_int1() {
   const unsigned routed = registers_[int_source0];
-  const bool is_at_watermark = watermark_bytes() > 0 && fifo_level() >= watermark_bytes();
+  const bool is_at_watermark = watermark_bytes() > 0 && fifo_.bytes() >= watermark_bytes();
   const bool is_pulsed = (routed & 0x08U) != 0 || ((routed & 0x04U) != 0 && is_at_watermark);
   interrupt_.drive(is_pulsed, clock_->now());
   interrupt_.drive(false, clock_->now());

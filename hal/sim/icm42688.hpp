@@ -5,14 +5,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <string_view>
-#include <vector>
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
 #include "hal/sim/accelerometer.hpp"
 #include "hal/sim/clock.hpp"
+#include "hal/sim/packet_fifo.hpp"
 #include "hal/sim/register_chip.hpp"
 
 namespace zerorate::hal::sim {
@@ -60,22 +59,18 @@ class SimulatedIcm42688 : public SimulatedRegisters<128>, public SimulatedAccele
 
  private:
   static constexpr std::size_t kFifoBytes = 2048;
-  using Packet = std::vector<std::uint8_t>;  // 8 or 16 bytes
 
   void reset_registers();
   void set_word(std::uint8_t address, std::int16_t value);
   void measure_acceleration();
   void note_power(std::uint8_t address);
-  [[nodiscard]] std::size_t fifo_level() const;
   void push_packet(core::Temperature temperature);
-  std::uint8_t read_fifo_byte();
   [[nodiscard]] std::size_t watermark_bytes() const;
   void pulse_int1();
 
   std::uint8_t identity_;
-  std::deque<Packet> fifo_;
-  std::size_t fifo_cursor_ = 0;  ///< bytes of the oldest packet that were read
-  bool is_flushed_ = false;      ///< and its level was not read since, which will read as 0
+  PacketFifo fifo_;
+  bool is_flushed_ = false;  ///< and its level was not read since, which will read as 0
   core::Instant powered_at_;
   core::Instant accelerometer_powered_at_;
 };

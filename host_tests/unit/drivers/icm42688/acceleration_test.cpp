@@ -38,12 +38,12 @@ TEST(Icm42688AccelConfig0, HoldsRangeAboveRate) {
 }
 
 TEST(Icm42688FifoHeader, IsThatOfBoth) {
-  EXPECT_TRUE(icm42688::is_header_of_both(0x60));
-  EXPECT_TRUE(icm42688::is_header_of_both(0x6B)) << "time stamp, first after a change of rate";
-  EXPECT_FALSE(icm42688::is_header_of_both(0x20)) << "gyro alone";
-  EXPECT_FALSE(icm42688::is_header_of_both(0x40)) << "accelerometer alone";
-  EXPECT_FALSE(icm42688::is_header_of_both(0x70)) << "20 bits";
-  EXPECT_FALSE(icm42688::is_header_of_both(0xE0)) << "empty";
+  EXPECT_TRUE(is_header_of_both(0x60));
+  EXPECT_TRUE(is_header_of_both(0x6B)) << "time stamp, first after a change of rate";
+  EXPECT_FALSE(is_header_of_both(0x20)) << "gyro alone";
+  EXPECT_FALSE(is_header_of_both(0x40)) << "accelerometer alone";
+  EXPECT_FALSE(is_header_of_both(0x70)) << "20 bits";
+  EXPECT_FALSE(is_header_of_both(0xE0)) << "empty";
 }
 
 TEST(Icm42688WithAcceleration, ConfiguresTheRegistersOfBoth) {
