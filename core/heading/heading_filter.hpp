@@ -44,12 +44,14 @@ class HeadingFilter {
     float offset_rad_s = 0.007F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
     float between_drives_rad_s = 0.005F * kRadPerDeg;  ///< part of it that another drive has not
     float scale_factor_per_k = 1e-4F;  ///< change of the scale factor with the temperature
+    float slope_variance_rad2 = 0.0F;  ///< of the turn that a slope feigns on a tilted axis
   };
   constexpr explicit HeadingFilter(const Params& params)
       : variance_{0.0F, params.scale_factor * params.scale_factor,
                   params.offset_rad_s * params.offset_rad_s,
                   params.between_drives_rad_s * params.between_drives_rad_s},
-        scale_factor_per_k_(params.scale_factor_per_k) {
+        scale_factor_per_k_(params.scale_factor_per_k),
+        slope_variance_rad2_(params.slope_variance_rad2) {
     state_.between_drives_rad2_s2 = variance_[kBias];
     state_.covariance(kScale, kScale) = variance_[kScale];
     state_.covariance(kOffset, kOffset) = variance_[kOffset];
@@ -134,7 +136,8 @@ class HeadingFilter {
     auto h = sensitivity(ahead);
     h[kHeading] = 1.0F;
     const float error_rad = wrapped(at_filter_rad - state_.x[kHeading]);
-    const ReferenceVerdict verdict = take(h, error_rad, variance_rad2, since);
+    const ReferenceVerdict verdict =
+        take(h, error_rad, variance_rad2, since, slope_noise_rad2(since.length_s));
     if (verdict == ReferenceVerdict::learnt) note_taken(variance_rad2, ahead);
     if (!state_.judge.leans()) return verdict;
     if (verdict == ReferenceVerdict::learnt) doubt_what_was_learnt(0.0F, since);
@@ -147,7 +150,7 @@ class HeadingFilter {
   constexpr ReferenceVerdict take_turn(float angle_rad, float variance_rad2, const Turn& turn,
                                        float noise_rad2) {
     return take(sensitivity(turn), angle_rad - scaled(turn.turn_rad), variance_rad2, turn,
-                noise_rad2);
+                noise_rad2 + 2.0F * slope_variance_rad2_);
   }
 
   [[nodiscard]] constexpr bool has_heading() const { return state_.has_heading; }
@@ -160,8 +163,9 @@ class HeadingFilter {
   [[nodiscard]] constexpr float heading_variance_rad2(const Turn& ahead) const {
     const auto& p = state_.covariance;
     const float m = scaled(ahead.turn_rad);
-    return std::max(
-        p(kHeading, kHeading) + m * (m * p(kScale, kScale) - 2.0F * p(kHeading, kScale)), 0.0F);
+    const float known =
+        p(kHeading, kHeading) + m * (m * p(kScale, kScale) - 2.0F * p(kHeading, kScale));
+    return std::max(known, 0.0F) + slope_variance_rad2_;
   }
   /// Whether anything was learnt of the scale factor and the offset.
   [[nodiscard]] constexpr bool has_learnt() const { return state_.has_learnt; }
@@ -216,11 +220,19 @@ class HeadingFilter {
   [[nodiscard]] constexpr float turn_variance_rad2(const Turn& turn, float drive_rad) const {
     const auto& p = state_.covariance;
     const float m = scaled(turn.turn_rad);
-    if (!state_.has_learnt) return m * m * p(kScale, kScale);
+    const float slopes = 2.0F * slope_variance_rad2_;
+    if (!state_.has_learnt) return m * m * p(kScale, kScale) + slopes;
     const float t = turn.length_s;
     const float lasting =
         m * m * p(kScale, kScale) + t * t * p(kOffset, kOffset) + 2.0F * m * t * p(kScale, kOffset);
-    return std::max(lasting, 0.0F) + drive_rad * drive_rad;
+    return std::max(lasting, 0.0F) + drive_rad * drive_rad + slopes;
+  }
+  /// Variance that slopes add to a reference. Those of the same slope share its error: as many as
+  /// come within one count as one.
+  [[nodiscard]] constexpr float slope_noise_rad2(float since_s) const {
+    constexpr float kSlope_s = 10.0F;
+    constexpr float kShortest_s = 0.1F;
+    return slope_variance_rad2_ * std::max(kSlope_s / std::max(since_s, kShortest_s), 1.0F);
   }
   /// Growth of the variances from drive to drive: of the scale factor, and of the offset as a share
   /// of what was known of it at first.
@@ -269,7 +281,8 @@ class HeadingFilter {
   }
   constexpr ReferenceVerdict begin(float heading_rad, float variance_rad2) {
     for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kHeading, i) = 0.0F;
-    state_.covariance(kHeading, kHeading) = state_.judge.variance(variance_rad2);
+    state_.covariance(kHeading, kHeading) =
+        state_.judge.variance(variance_rad2) + slope_variance_rad2_;
     state_.x[kHeading] = wrapped(heading_rad);
     state_.has_heading = true;
     note_taken(variance_rad2, {});
@@ -287,7 +300,7 @@ class HeadingFilter {
 
   /// @param error_rad reference less expectation  @param since turn since the one before
   constexpr ReferenceVerdict take(const Row& h, float error_rad, float variance_rad2,
-                                  const Turn& since, float noise_rad2 = 0.0F) {
+                                  const Turn& since, float noise_rad2) {
     const float noise = state_.judge.variance(variance_rad2);
     const float expected = spread(h) + noise_rad2 + noise;
     const float error = error_rad / square_root(expected);
@@ -361,6 +374,7 @@ class HeadingFilter {
 
   Row variance_;  ///< variances before the first reference
   float scale_factor_per_k_;
+  float slope_variance_rad2_;
   State state_{};
 };
 

@@ -18,6 +18,8 @@ namespace zerorate::core {
 struct MotionModel {
   float scale_factor = 0.01F;  ///< error of the scale factor; the tolerance of many data sheets
   float asymmetry = 0.0F;      ///< half the difference between the scale factors of both senses
+  /// Variance of the turn that a slope feigns on a tilted axis, at either end of a drive.
+  float slope_variance_rad2 = 0.0F;
 
   constexpr bool operator==(const MotionModel&) const = default;
 };

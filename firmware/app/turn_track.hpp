@@ -193,11 +193,17 @@ class TurnTrack {
   /// Time from a motion without pulses to the verdict of the gyro.
   static constexpr core::Duration kLongestUnnoticed = core::Duration::milliseconds(1500);
 
+  /// A measured vertical follows the slopes.
+  [[nodiscard]] static constexpr float slope_variance_rad2(const Params& params) {
+    return Ticks::kMeasuresVertical ? 0.0F : params.model.motion.slope_variance_rad2;
+  }
   [[nodiscard]] static constexpr References made_references(const Params& params,
                                                             const Vertical& vertical) {
     if constexpr (kTakesReferences) {
-      return References{
-          {.scale_factor = params.model.motion.scale_factor}, vertical.axis(), vertical.sense()};
+      return References{{.scale_factor = params.model.motion.scale_factor,
+                         .slope_variance_rad2 = slope_variance_rad2(params)},
+                        vertical.axis(),
+                        vertical.sense()};
     } else {
       return {};
     }
@@ -243,8 +249,9 @@ class TurnTrack {
   }
   /// Turn of a summed axis since departure, by the tolerance of its scale factor.
   [[nodiscard]] constexpr AxisTurn turn(std::size_t axis, core::Duration silence) const {
-    return {.angle = sum_.angle(axis),
-            .sigma = sum_.sigma(axis, sum_.scale_variance_rad2(axis), silence)};
+    const float tolerance_rad2 =
+        sum_.scale_variance_rad2(axis) + 2.0F * slope_variance_rad2(params_);
+    return {.angle = sum_.angle(axis), .sigma = sum_.sigma(axis, tolerance_rad2, silence)};
   }
   [[nodiscard]] constexpr bool has_learnt_motion() const {
     if constexpr (kTakesReferences) return references_.filter().has_learnt();

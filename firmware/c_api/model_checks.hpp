@@ -114,6 +114,7 @@ inline constexpr float kLargestStrength = 1e8F;
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
          is_tolerance(model.scale_factor_sigma) && is_tolerance(model.asymmetry_sigma) &&
+         is_magnitude(model.slope_variance_rad2) &&
          std::ranges::all_of(model.scale_factor_error, is_scale_error) &&
          is_magnitude(model.truncation_step_rad_s) && is_magnitude(model.largest_bias_rad_s) &&
          is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature) &&

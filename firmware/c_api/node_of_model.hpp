@@ -193,7 +193,8 @@ template <core::ModelShape Shape>
 #endif
     .motion = {.scale_factor = model.scale_factor_sigma > 0.0F ? model.scale_factor_sigma
                                                                : core::MotionModel{}.scale_factor,
-               .asymmetry = model.asymmetry_sigma},
+               .asymmetry = model.asymmetry_sigma,
+               .slope_variance_rad2 = model.slope_variance_rad2},
     .scale = scale_of(model), .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
     .hypotheses = hypotheses_of<kShape>(model),
     .quantization_step_rad_s = model.truncation_step_rad_s, .truncation = {

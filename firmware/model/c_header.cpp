@@ -141,6 +141,12 @@ std::vector<float> scale_factor_errors(const SensorModel& model) {
   return errors;
 }
 
+/// Nothing where the axis is vertical.
+std::string slopes(const core::MotionModel& motion) {
+  if (motion.slope_variance_rad2 == 0.0F) return {};
+  return field("slope_variance_rad2", motion.slope_variance_rad2);
+}
+
 /// Nothing where none is known: C makes zeros of it.
 std::string scale_factor_error(const std::vector<float>& errors) {
   if (errors.empty()) return {};
@@ -214,7 +220,8 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
               ? field("largest_bias_rad_s", node.largest_bias_rad_s)
               : std::string{}) +
          field("scale_factor_sigma", node.motion.scale_factor) +
-         field("asymmetry_sigma", node.motion.asymmetry) + scale_factor_error(errors) +
+         field("asymmetry_sigma", node.motion.asymmetry) + slopes(node.motion) +
+         scale_factor_error(errors) +
          (node.truncation.is_on() ? field("truncation_step_rad_s", node.quantization_step_rad_s)
                                   : std::string{}) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +

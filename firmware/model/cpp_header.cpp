@@ -151,8 +151,9 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
          inputs_member(node.inputs) + samples(node.samples) +
          "    .motion = {.scale_factor = " + literal(node.motion.scale_factor) +
-         ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" + scale_member(node.scale) +
-         "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
+         ", .asymmetry = " + literal(node.motion.asymmetry) +
+         ", .slope_variance_rad2 = " + literal(node.motion.slope_variance_rad2) + "},\n" +
+         scale_member(node.scale) + "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
          hypotheses_member(node.hypotheses, decaying) +
          step_members(node.quantization_step_rad_s, node.truncation) +
          "}};\n"

@@ -214,8 +214,9 @@ void visit_fields(auto& visitor, MaybeConst<ScaleFactor> auto& scale_factor) {
 }
 
 void visit_fields(auto& visitor, MaybeConst<Mounting> auto& mounting) {
-  auto& [tilt_sigma_rad, source] = mounting;
+  auto& [tilt_sigma_rad, slope_sigma, source] = mounting;
   visitor.number("tilt_sigma_deg", tilt_sigma_rad, FileUnit::degree, kTilt, Presence::required);
+  visitor.number("slope_percent", slope_sigma, FileUnit::percent, kTolerance, Presence::optional);
   visitor.text("source", source, Presence::optional);
 }
 

@@ -214,9 +214,11 @@ core::SampleModel samples_of(const SensorModel& model, double sample_s, double t
 /// An axis that is askew measures the cosine of its tilt, as if its scale factor were smaller.
 core::MotionModel motion_model_of(const SensorModel& model) {
   const ScaleFactor scale_factor = model.scale_factor.value_or(ScaleFactor{});
-  const double tilt = model.mounting.value_or(Mounting{}).tilt_sigma_rad;
+  const Mounting mounting = model.mounting.value_or(Mounting{});
+  const double tilt = mounting.tilt_sigma_rad;
   return {.scale_factor = single(std::hypot(scale_factor.sigma, 1.0 - std::cos(tilt))),
-          .asymmetry = single(scale_factor.asymmetry_sigma)};
+          .asymmetry = single(scale_factor.asymmetry_sigma),
+          .slope_variance_rad2 = single(std::pow(tilt * mounting.slope_sigma, 2.0))};
 }
 
 core::ScaleCorrection scale_correction_of(const SensorModel& model) {

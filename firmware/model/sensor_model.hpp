@@ -235,6 +235,9 @@ struct Mounting {
   /// Standard deviation of the angle between the axis and the vertical; of a turn about the
   /// vertical the axis measures the cosine.
   double tilt_sigma_rad = 0.0;
+  /// Standard deviation of the slope of the road, along and across; a tilted axis takes a change of
+  /// it for a turn.
+  double slope_sigma = 0.04;
   std::string source{};
 
   bool operator==(const Mounting&) const = default;

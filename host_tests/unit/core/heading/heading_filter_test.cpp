@@ -248,6 +248,35 @@ TEST(HeadingFilter, IsSurerOfATurnInWhichReferencesCame) {
   EXPECT_LT(filter.driven_variance_rad2(whole), 0.3F * filter.turn_variance_rad2(whole));
 }
 
+TEST(HeadingFilter, TakesReferencesOnOneSlopeForOne) {
+  constexpr float kSlope_rad2 = kVariance;
+  HeadingFilter::Params params = kParams;
+  params.slope_variance_rad2 = kSlope_rad2;
+  HeadingFilter filter{params};
+  HeadingFilter::State state = filter.state();
+  state.judge = ReferenceJudge{{.noise_factor = 1.0F, .compared_s = 1000.0F}};
+  filter.restore(state);
+  filter.depart(1e-12F);
+  const auto variance = [&] {
+    return filter.state().covariance(HeadingFilter::kHeading, HeadingFilter::kHeading);
+  };
+  (void)filter.take_heading(0.0F, 1e-4F * kVariance, {});
+  EXPECT_NEAR(variance(), kSlope_rad2, 0.01F * kSlope_rad2);
+  for (int k = 0; k < 100; ++k) {
+    filter.advance({0.0F, 0.1F}, 0.0F, 1e-12F);
+    (void)filter.take_heading(0.0F, 1e-4F * kVariance, {});
+  }
+  // Two slopes in ten seconds: that of the begin, and that of the hundred references after it.
+  EXPECT_NEAR(variance(), 0.5F * kSlope_rad2, 0.1F * kSlope_rad2);
+}
+
+TEST(HeadingFilter, HoldsTheSlopesAtBothEndsOfATurn) {
+  HeadingFilter::Params params = kParams;
+  params.slope_variance_rad2 = kVariance;
+  const HeadingFilter filter{params};
+  EXPECT_NEAR(filter.turn_variance_rad2({}), 2.0F * kVariance, 1e-3F * kVariance);
+}
+
 /// Drives a road with references of a second, changed by what is wrong with them.
 template <class Wrong>
 HeadingFilter driven(Wrong wrong) {

@@ -113,6 +113,18 @@ TEST(TurnWithFullScale, IsNotKnownOnThatAxis) {
   EXPECT_FALSE(std::isfinite(sigma_rad(end, 1)));
 }
 
+TEST(TurnOfATiltedAxis, HoldsTheSlopesAtBothEnds) {
+  const auto turn_variance = [](float slope_variance_rad2) {
+    auto params = node_params();
+    params.model.motion.slope_variance_rad2 = slope_variance_rad2;
+    Node node{params};
+    stand(node, 0, 20'000);
+    const double sigma = sigma_rad(drive(node, 20'000, 25'000, 0.0F).back(), 0);
+    return sigma * sigma;
+  };
+  EXPECT_NEAR(turn_variance(1e-4F) - turn_variance(0.0F), 2e-4, 1e-8);
+}
+
 /// Oracle of the bias part: predict_heading() of the same node over the same time.
 /// Verifies SR-HEAD-03.
 TEST(ErrorOfTheTurn, IsThatOfTheFilterWhereNothingIsTurned) {

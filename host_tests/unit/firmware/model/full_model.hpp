@@ -110,6 +110,7 @@ error_percent = [0.5, -1.25, 2]
 
 [mounting]
 tilt_sigma_deg = 8
+slope_percent = 5
 
 [learning]
 hypotheses = 4

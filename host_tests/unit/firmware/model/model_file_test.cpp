@@ -82,6 +82,8 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.variable_noise->variance_sigma, 0.2);
   EXPECT_DOUBLE_EQ(model.saturation->lower_rad_s, -240.5 * kDeg);
   EXPECT_DOUBLE_EQ(model.scale_factor->error[1], -0.0125);
+  EXPECT_DOUBLE_EQ(model.mounting->tilt_sigma_rad, 8.0 * kDeg);
+  EXPECT_DOUBLE_EQ(model.mounting->slope_sigma, 0.05);
   EXPECT_EQ(model.gate->threshold_sigma, 5.0);
   EXPECT_EQ(model.gate->longest_knock_s, 3.0);
   EXPECT_EQ(model.learning->hypotheses, 4);
