@@ -44,7 +44,8 @@ class HeadingFilter {
     float offset_rad_s = 0.007F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
     float between_drives_rad_s = 0.005F * kRadPerDeg;  ///< part of it that another drive has not
     float scale_factor_per_k = 1e-4F;  ///< change of the scale factor with the temperature
-    float slope_variance_rad2 = 0.0F;  ///< of the turn that a slope feigns on a tilted axis
+    float scale_factor_at_k = 0.0F;    ///< temperature at which it is known so; 0: not known
+    float slope_variance_rad2 = 0.0F;  ///< variance of the turn that a slope feigns
   };
   constexpr explicit HeadingFilter(const Params& params)
       : variance_{0.0F, params.scale_factor * params.scale_factor,
@@ -53,6 +54,7 @@ class HeadingFilter {
         scale_factor_per_k_(params.scale_factor_per_k),
         slope_variance_rad2_(params.slope_variance_rad2) {
     state_.between_drives_rad2_s2 = variance_[kBias];
+    state_.lessons.learnt_k = params.scale_factor_at_k;
     state_.covariance(kScale, kScale) = variance_[kScale];
     state_.covariance(kOffset, kOffset) = variance_[kOffset];
   }

@@ -200,7 +200,10 @@ class TurnTrack {
   [[nodiscard]] static constexpr References made_references(const Params& params,
                                                             const Vertical& vertical) {
     if constexpr (kTakesReferences) {
-      return References{{.scale_factor = params.model.motion.scale_factor,
+      const core::MotionModel& motion = params.model.motion;
+      return References{{.scale_factor = motion.scale_factor,
+                         .scale_factor_per_k = motion.scale_factor_per_k,
+                         .scale_factor_at_k = motion.scale_factor_at_k,
                          .slope_variance_rad2 = slope_variance_rad2(params)},
                         vertical.axis(),
                         vertical.sense()};
@@ -273,11 +276,11 @@ class TurnTrack {
       typename Sum::Rates white{};
       for (std::size_t i = 0; i < kAxes; ++i) white[i] = ticks.white_variance_rad2_s2(i);
       vertical_.complete_variances(white);
+      const float temperature_k = temperature_k_of(message);
       if constexpr (kTakesReferences) {
-        references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks),
-                           temperature_k_of(message));
+        references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks), temperature_k);
       }
-      sum_.depart(white);
+      sum_.depart(white, temperature_k);
       asked_ticks_ = kShortest;
     }
     sum_.note_measurement(ticks.measured_ticks());

@@ -141,6 +141,19 @@ std::vector<float> scale_factor_errors(const SensorModel& model) {
   return errors;
 }
 
+/// Nothing where it is what C makes of zeros.
+std::string scale_of_temperature(const core::MotionModel& motion) {
+  const core::MotionModel silent{};
+  std::string fields;
+  if (motion.scale_factor_per_k != silent.scale_factor_per_k) {
+    fields += field("scale_factor_sigma_per_k", motion.scale_factor_per_k);
+  }
+  if (motion.scale_factor_at_k != silent.scale_factor_at_k) {
+    fields += field("scale_factor_at_k", motion.scale_factor_at_k);
+  }
+  return fields;
+}
+
 /// Nothing where the axis is vertical.
 std::string slopes(const core::MotionModel& motion) {
   if (motion.slope_variance_rad2 == 0.0F) return {};
@@ -219,7 +232,7 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          (core::is_finite(node.largest_bias_rad_s)
               ? field("largest_bias_rad_s", node.largest_bias_rad_s)
               : std::string{}) +
-         field("scale_factor_sigma", node.motion.scale_factor) +
+         field("scale_factor_sigma", node.motion.scale_factor) + scale_of_temperature(node.motion) +
          field("asymmetry_sigma", node.motion.asymmetry) + slopes(node.motion) +
          scale_factor_error(errors) +
          (node.truncation.is_on() ? field("truncation_step_rad_s", node.quantization_step_rad_s)

@@ -43,6 +43,8 @@ TEST(CInterfaceWithAModelThatCannotBe, StaysUninitialised) {
       {ZERORATE_BAD_MODEL, [](auto& m) { m.largest_bias_rad_s = -1.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.scale_factor_error[2] = 0.2F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.slope_variance_rad2 = -1e-6F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.scale_factor_sigma_per_k = -1e-4F; }},
+      {ZERORATE_BAD_MODEL, [](auto& m) { m.scale_factor_at_k = 600.0F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.scale_factor_error[0] = -0.2F; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = kNan; }},
       {ZERORATE_BAD_MODEL, [](auto& m) { m.temperature.reference_degc = 1e7F; }},
