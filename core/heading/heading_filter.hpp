@@ -44,12 +44,17 @@ class HeadingFilter {
     float offset_rad_s = 0.007F * kRadPerDeg;  ///< vibration moves the bias of a consumer gyro so
     float between_drives_rad_s = 0.005F * kRadPerDeg;  ///< part of it that another drive has not
     float scale_factor_per_k = 1e-4F;  ///< change of the scale factor with the temperature
+    float scale_factor_at_k = 0.0F;    ///< temperature at which it is known so; 0: not known
+    float slope_variance_rad2 = 0.0F;  ///< variance of the turn that a slope feigns
   };
   constexpr explicit HeadingFilter(const Params& params)
       : variance_{0.0F, params.scale_factor * params.scale_factor,
-                  params.offset_rad_s * params.offset_rad_s, 0.0F},
-        scale_factor_per_k_(params.scale_factor_per_k) {
-    state_.between_drives_rad2_s2 = params.between_drives_rad_s * params.between_drives_rad_s;
+                  params.offset_rad_s * params.offset_rad_s,
+                  params.between_drives_rad_s * params.between_drives_rad_s},
+        scale_factor_per_k_(params.scale_factor_per_k),
+        slope_variance_rad2_(params.slope_variance_rad2) {
+    state_.between_drives_rad2_s2 = variance_[kBias];
+    state_.lessons.learnt_k = params.scale_factor_at_k;
     state_.covariance(kScale, kScale) = variance_[kScale];
     state_.covariance(kOffset, kOffset) = variance_[kOffset];
   }
@@ -88,6 +93,7 @@ class HeadingFilter {
     state_.bias_variance_at_departure_rad2_s2 = bias_variance_rad2_s2;
     state_.drift_rad2_s3 = 0.0F;
     state_.driven_s = 0.0F;
+    state_.drive_sigma_rad = 0.0F;
     state_.covariance(kScale, kScale) +=
         kScaleGrowth + state_.lessons.depart(temperature_k, scale_factor_per_k_);
     state_.covariance(kOffset, kOffset) += kOffsetGrowth * variance_[kOffset];
@@ -107,6 +113,8 @@ class HeadingFilter {
     }
     p(kHeading, kHeading) = std::max(p(kHeading, kHeading) + heading_gain, 0.0F);
     for (std::size_t j = kScale; j < kStates; ++j) p(kHeading, j) += gain[j];
+    state_.drive_sigma_rad +=
+        turn.length_s * square_root(std::min(state_.between_drives_rad2_s2, p(kBias, kBias)));
     const float growth = bias_growth(turn.length_s, bias_variance_rad2_s2);
     p(kBias, kBias) += growth;
     state_.bias_prior_rad2_s2 += growth;
@@ -130,7 +138,8 @@ class HeadingFilter {
     auto h = sensitivity(ahead);
     h[kHeading] = 1.0F;
     const float error_rad = wrapped(at_filter_rad - state_.x[kHeading]);
-    const ReferenceVerdict verdict = take(h, error_rad, variance_rad2, since);
+    const ReferenceVerdict verdict =
+        take(h, error_rad, variance_rad2, since, slope_noise_rad2(since.length_s));
     if (verdict == ReferenceVerdict::learnt) note_taken(variance_rad2, ahead);
     if (!state_.judge.leans()) return verdict;
     if (verdict == ReferenceVerdict::learnt) doubt_what_was_learnt(0.0F, since);
@@ -143,7 +152,7 @@ class HeadingFilter {
   constexpr ReferenceVerdict take_turn(float angle_rad, float variance_rad2, const Turn& turn,
                                        float noise_rad2) {
     return take(sensitivity(turn), angle_rad - scaled(turn.turn_rad), variance_rad2, turn,
-                noise_rad2);
+                noise_rad2 + 2.0F * slope_variance_rad2_);
   }
 
   [[nodiscard]] constexpr bool has_heading() const { return state_.has_heading; }
@@ -156,8 +165,9 @@ class HeadingFilter {
   [[nodiscard]] constexpr float heading_variance_rad2(const Turn& ahead) const {
     const auto& p = state_.covariance;
     const float m = scaled(ahead.turn_rad);
-    return std::max(
-        p(kHeading, kHeading) + m * (m * p(kScale, kScale) - 2.0F * p(kHeading, kScale)), 0.0F);
+    const float known =
+        p(kHeading, kHeading) + m * (m * p(kScale, kScale) - 2.0F * p(kHeading, kScale));
+    return std::max(known, 0.0F) + slope_variance_rad2_;
   }
   /// Whether anything was learnt of the scale factor and the offset.
   [[nodiscard]] constexpr bool has_learnt() const { return state_.has_learnt; }
@@ -183,18 +193,17 @@ class HeadingFilter {
   [[nodiscard]] constexpr float bias_variance_rad2_s2(float predicted_rad2_s2) const {
     if (!state_.has_learnt) return predicted_rad2_s2;
     const auto& p = state_.covariance;
-    return std::min(predicted_rad2_s2 + p(kOffset, kOffset),
+    return std::min(predicted_rad2_s2 + state_.between_drives_rad2_s2 + p(kOffset, kOffset),
                     p(kBias, kBias) + 2.0F * p(kBias, kOffset) + p(kOffset, kOffset));
   }
-  /// Variance of the error that scale factor and offset make in a turn.
+  /// Variance of the error of a turn, beside that of the bias at rest, if no reference comes
+  /// meanwhile: by the scale factor, the offset, and the bias in motion that another drive has not.
   [[nodiscard]] constexpr float turn_variance_rad2(const Turn& turn) const {
-    const auto& p = state_.covariance;
-    const float m = scaled(turn.turn_rad);
-    if (!state_.has_learnt) return m * m * p(kScale, kScale);
-    const float t = turn.length_s;
-    return std::max(
-        m * m * p(kScale, kScale) + t * t * p(kOffset, kOffset) + 2.0F * m * t * p(kScale, kOffset),
-        0.0F);
+    return turn_variance_rad2(turn, turn.length_s * square_root(state_.between_drives_rad2_s2));
+  }
+  /// Likewise of the turn since departure: references in the drive have shown some of its bias.
+  [[nodiscard]] constexpr float driven_variance_rad2(const Turn& since_departure) const {
+    return turn_variance_rad2(since_departure, state_.drive_sigma_rad);
   }
   /// A turn by the scale factor that is known now.
   [[nodiscard]] constexpr float scaled(float turn_rad) const {
@@ -209,6 +218,24 @@ class HeadingFilter {
  private:
   using Row = std::array<float, kStates>;
 
+  /// @param drive_rad deviation by the bias in motion that another drive has not
+  [[nodiscard]] constexpr float turn_variance_rad2(const Turn& turn, float drive_rad) const {
+    const auto& p = state_.covariance;
+    const float m = scaled(turn.turn_rad);
+    const float slopes = 2.0F * slope_variance_rad2_;
+    if (!state_.has_learnt) return m * m * p(kScale, kScale) + slopes;
+    const float t = turn.length_s;
+    const float lasting =
+        m * m * p(kScale, kScale) + t * t * p(kOffset, kOffset) + 2.0F * m * t * p(kScale, kOffset);
+    return std::max(lasting, 0.0F) + drive_rad * drive_rad + slopes;
+  }
+  /// Variance that slopes add to a reference. Those of the same slope share its error: as many as
+  /// come within one count as one.
+  [[nodiscard]] constexpr float slope_noise_rad2(float since_s) const {
+    constexpr float kSlope_s = 10.0F;
+    constexpr float kShortest_s = 0.1F;
+    return slope_variance_rad2_ * std::max(kSlope_s / std::max(since_s, kShortest_s), 1.0F);
+  }
   /// Growth of the variances from drive to drive: of the scale factor, and of the offset as a share
   /// of what was known of it at first.
   static constexpr float kScaleGrowth = 1e-4F * 1e-4F;
@@ -256,7 +283,8 @@ class HeadingFilter {
   }
   constexpr ReferenceVerdict begin(float heading_rad, float variance_rad2) {
     for (std::size_t i = 0; i < kStates; ++i) state_.covariance(kHeading, i) = 0.0F;
-    state_.covariance(kHeading, kHeading) = state_.judge.variance(variance_rad2);
+    state_.covariance(kHeading, kHeading) =
+        state_.judge.variance(variance_rad2) + slope_variance_rad2_;
     state_.x[kHeading] = wrapped(heading_rad);
     state_.has_heading = true;
     note_taken(variance_rad2, {});
@@ -274,7 +302,7 @@ class HeadingFilter {
 
   /// @param error_rad reference less expectation  @param since turn since the one before
   constexpr ReferenceVerdict take(const Row& h, float error_rad, float variance_rad2,
-                                  const Turn& since, float noise_rad2 = 0.0F) {
+                                  const Turn& since, float noise_rad2) {
     const float noise = state_.judge.variance(variance_rad2);
     const float expected = spread(h) + noise_rad2 + noise;
     const float error = error_rad / square_root(expected);
@@ -311,18 +339,21 @@ class HeadingFilter {
     }
     state_.judge.doubt();
   }
-  /// Learns from the drive that is over how much its bias differed from that of the others
-  /// (expectation maximisation: the mean square of the bias, by all that is known of it).
+  /// Learns from the drive that is over how much its bias differed from that of the others (maximum
+  /// likelihood, a step of Fisher's scoring). The guess before the first drive counts as much as
+  /// one drive whose bias references have shown exactly.
   constexpr void learn_from_drive() {
+    constexpr float kMost = 1e3F;
     const float prior = state_.bias_prior_rad2_s2;
-    if (!state_.has_learnt || !(prior > 0.0F)) return;
+    if (!state_.has_learnt || !(prior > 0.0F) || !(variance_[kBias] > 0.0F)) return;
     const float left = state_.covariance(kBias, kBias);
-    const float share = state_.between_drives_rad2_s2 / prior;
-    state_.between_drives_weight = std::min(
-        state_.between_drives_weight + share * (1.0F - left / prior), LearntMotion::kMostDrives);
+    const float shown = 1.0F - left / prior;
+    const float guess = std::min(variance_[kBias] / prior, kMost);
+    float& weight = state_.between_drives_weight;
+    weight += shown * shown * (guess * guess - weight / LearntMotion::kMostDrives);
     const float surplus = state_.x[kBias] * state_.x[kBias] + left - prior;
-    state_.between_drives_rad2_s2 = std::max(
-        state_.between_drives_rad2_s2 + share * surplus / state_.between_drives_weight, 0.0F);
+    state_.between_drives_rad2_s2 =
+        std::max(state_.between_drives_rad2_s2 + guess * guess * surplus / weight, 0.0F);
   }
   constexpr void learn(const Row& h, float error_rad, float variance_rad2, bool teaches) {
     const Row ph = product(h);
@@ -345,6 +376,7 @@ class HeadingFilter {
 
   Row variance_;  ///< variances before the first reference
   float scale_factor_per_k_;
+  float slope_variance_rad2_;
   State state_{};
 };
 

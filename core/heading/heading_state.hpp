@@ -37,8 +37,10 @@ struct HeadingState {
   float bias_variance_at_departure_rad2_s2 = 0.0F;
   float drift_rad2_s3 = 0.0F;  ///< growth of that variance in the first two minutes, a second
   float driven_s = 0.0F;       ///< since departure
+  /// Deviation of the turn since departure by the bias in motion that another drive has not.
+  float drive_sigma_rad = 0.0F;
   float between_drives_rad2_s2 = 0.0F;  ///< variance of the bias in motion from drive to drive
-  float between_drives_weight = 1.0F;   ///< drives that it rests on
+  float between_drives_weight = 1.0F;   ///< information on it; 1: the guess before the first
   float bias_prior_rad2_s2 = 0.0F;      ///< variance of the bias, had no reference come
   ReferenceJudge judge;
   Lessons lessons;
@@ -60,9 +62,9 @@ struct HeadingState {
            are_plausible(std::array{since.turn_rad, since.length_s}) &&
            are_plausible_variances(std::array{newest_variance_rad2, bias_variance_rad2_s2,
                                               bias_variance_at_departure_rad2_s2, drift_rad2_s3,
-                                              driven_s, between_drives_rad2_s2,
+                                              driven_s, drive_sigma_rad, between_drives_rad2_s2,
                                               between_drives_weight, bias_prior_rad2_s2}) &&
-           between_drives_weight >= 1.0F && judge.is_possible() && lessons.is_possible();
+           between_drives_weight > 0.0F && judge.is_possible() && lessons.is_possible();
   }
 
   /// Lessons, without the heading and the drive.

@@ -61,7 +61,7 @@ struct Lessons {
 
 /// Lessons of references, as a record for the time without power.
 struct LearntMotion {
-  static constexpr float kMostDrives = 32.0F;  ///< weight of the variance from drive to drive
+  static constexpr float kMostDrives = 32.0F;  ///< drives that the variance between them rests on
 
   float scale_factor = 0.0F;  ///< error of it
   float scale_variance = 0.0F;
@@ -69,7 +69,7 @@ struct LearntMotion {
   float offset_variance_rad2_s2 = 0.0F;
   float covariance_rad_s = 0.0F;        ///< covariance of both
   float between_drives_rad2_s2 = 0.0F;  ///< variance of the bias in motion from drive to drive
-  float between_drives_weight = 1.0F;   ///< drives that it rests on
+  float between_drives_weight = 1.0F;   ///< information on it; 1: the guess before the first
   float noise_factor = 1.0F;            ///< variance of the references over the stated one
   float noise_weight = 1.0F;            ///< references that it rests on
   float temperature_k = 0.0F;           ///< temperature of the newest lesson; 0: not known
@@ -84,11 +84,11 @@ struct LearntMotion {
     return are_plausible(std::array{scale_factor, offset_rad_s, covariance_rad_s}) &&
            is_plausible_scale_error(scale_factor) &&
            are_plausible_variances(std::array{scale_variance, offset_variance_rad2_s2,
-                                              between_drives_rad2_s2, temperature_k}) &&
+                                              between_drives_rad2_s2, between_drives_weight,
+                                              temperature_k}) &&
            covariance_rad_s * covariance_rad_s <=
                kRounded * scale_variance * offset_variance_rad2_s2 &&
-           between_drives_weight >= 1.0F && between_drives_weight <= kMostDrives &&
-           judge().is_possible() && drives <= references;
+           between_drives_weight > 0.0F && judge().is_possible() && drives <= references;
   }
   /// Judge of a source that has to prove itself again.
   [[nodiscard]] constexpr ReferenceJudge judge() const {

@@ -16,10 +16,23 @@ namespace zerorate::core {
 /// Errors of a gyro that rest does not show, as standard deviations relative to the rate: 0.01 is
 /// 1 %. An axis that is mounted askew by an angle acts as a scale factor of its cosine.
 struct MotionModel {
+  static constexpr float kRoom_k = 298.15F;  ///< 25 deg C, as data sheets state tolerances
+
   float scale_factor = 0.01F;  ///< error of the scale factor; the tolerance of many data sheets
   float asymmetry = 0.0F;      ///< half the difference between the scale factors of both senses
+  /// Variance of the turn that a slope feigns on a tilted axis, at either end of a drive.
+  float slope_variance_rad2 = 0.0F;
+  float scale_factor_per_k = 1e-4F;   ///< change of the scale factor with the temperature
+  float scale_factor_at_k = kRoom_k;  ///< temperature at which the tolerance holds
 
   constexpr bool operator==(const MotionModel&) const = default;
+
+  /// Variance of the scale factor at a temperature [K]; 0: not known, as where the tolerance holds.
+  [[nodiscard]] constexpr float scale_variance(float temperature_k) const {
+    const float away_k = temperature_k > 0.0F ? temperature_k - scale_factor_at_k : 0.0F;
+    const float change = scale_factor_per_k * away_k;
+    return scale_factor * scale_factor + change * change;
+  }
 };
 
 /// Adds up the corrected rates of the axes from a departure on.
@@ -60,6 +73,7 @@ class TurnSum {
     Rates white_variance_rad2_s2{};  ///< variance of a sample
     Rates newest_rad_s{};            ///< rates of the newest sample
     Rates slow_variance_rad2{};      ///< white noise, asymmetry and gaps, to the tick being filled
+    float scale_variance = 0.0F;     ///< variance of the scale factor at departure
     float gap_variance_rad2 = 0.0F;
     std::uint32_t measured_ticks = 0;  ///< ticks up to the stop that was departed from
     std::uint8_t lost_axes = 0;        ///< bit i: axis i was at full scale
@@ -111,7 +125,8 @@ class TurnSum {
            are_plausible(state.sum_rad) && are_plausible(state.lost_rad) &&
            are_plausible(state.path_rad) && are_plausible(state.newest_rad_s) &&
            is_plausible_variance(state.before.length_s) &&
-           is_plausible_variance(state.long_before.length_s) && state.gap_variance_rad2 >= 0.0F &&
+           is_plausible_variance(state.long_before.length_s) &&
+           is_plausible_variance(state.scale_variance) && state.gap_variance_rad2 >= 0.0F &&
            are_plausible_variances(state.slow_variance_rad2);
   }
 
@@ -127,12 +142,14 @@ class TurnSum {
   }
   /// The vehicle begins to move after a stop from which the bias was learnt.
   /// @param white_variance_rad2_s2 variance of a sample of each axis
-  constexpr void depart(const Rates& white_variance_rad2_s2) {
+  /// @param temperature_k of the sensor; 0: not known
+  constexpr void depart(const Rates& white_variance_rad2_s2, float temperature_k = 0.0F) {
     state_ = {.before = state_.before,
               .long_before = state_.long_before,
               .tick_rad = state_.tick_rad,
               .white_variance_rad2_s2 = white_variance_rad2_s2,
               .newest_rad_s = state_.newest_rad_s,
+              .scale_variance = model_.scale_variance(temperature_k),
               .measured_ticks = state_.measured_ticks,
               .has_departed = true};
   }
@@ -191,8 +208,8 @@ class TurnSum {
   }
   /// Variance of angle() by the tolerance of the scale factor.
   [[nodiscard]] constexpr float scale_variance_rad2(std::size_t axis) const {
-    const float error = turn_rad(axis) * model_.scale_factor;
-    return error * error;
+    const float turned = turn_rad(axis);
+    return turned * turned * state_.scale_variance;
   }
   /// Standard deviation of the error of angle(); infinite where it is not known.
   /// @param scale_variance_rad2 scale_variance_rad2(), or what is known better

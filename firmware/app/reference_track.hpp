@@ -89,9 +89,9 @@ class ReferenceTrack {
   }
 
   [[nodiscard]] constexpr const core::HeadingFilter& filter() const { return filter_; }
-  /// Variance of the error that scale factor and offset make in the turn of that axis.
+  /// Variance of the error of the turn of that axis, beside that of the bias at rest and the noise.
   [[nodiscard]] constexpr float scale_variance_rad2(const Sum& sum) const {
-    return filter_.turn_variance_rad2(between({}, sum.position(axis_)));
+    return filter_.driven_variance_rad2(between({}, sum.position(axis_)));
   }
   /// Heading at the newest sample.
   [[nodiscard]] constexpr Heading heading(const Sum& sum) const {

@@ -193,11 +193,20 @@ class TurnTrack {
   /// Time from a motion without pulses to the verdict of the gyro.
   static constexpr core::Duration kLongestUnnoticed = core::Duration::milliseconds(1500);
 
+  /// A measured vertical follows the slopes.
+  [[nodiscard]] static constexpr float slope_variance_rad2(const Params& params) {
+    return Ticks::kMeasuresVertical ? 0.0F : params.model.motion.slope_variance_rad2;
+  }
   [[nodiscard]] static constexpr References made_references(const Params& params,
                                                             const Vertical& vertical) {
     if constexpr (kTakesReferences) {
-      return References{
-          {.scale_factor = params.model.motion.scale_factor}, vertical.axis(), vertical.sense()};
+      const core::MotionModel& motion = params.model.motion;
+      return References{{.scale_factor = motion.scale_factor,
+                         .scale_factor_per_k = motion.scale_factor_per_k,
+                         .scale_factor_at_k = motion.scale_factor_at_k,
+                         .slope_variance_rad2 = slope_variance_rad2(params)},
+                        vertical.axis(),
+                        vertical.sense()};
     } else {
       return {};
     }
@@ -243,8 +252,9 @@ class TurnTrack {
   }
   /// Turn of a summed axis since departure, by the tolerance of its scale factor.
   [[nodiscard]] constexpr AxisTurn turn(std::size_t axis, core::Duration silence) const {
-    return {.angle = sum_.angle(axis),
-            .sigma = sum_.sigma(axis, sum_.scale_variance_rad2(axis), silence)};
+    const float tolerance_rad2 =
+        sum_.scale_variance_rad2(axis) + 2.0F * slope_variance_rad2(params_);
+    return {.angle = sum_.angle(axis), .sigma = sum_.sigma(axis, tolerance_rad2, silence)};
   }
   [[nodiscard]] constexpr bool has_learnt_motion() const {
     if constexpr (kTakesReferences) return references_.filter().has_learnt();
@@ -266,11 +276,11 @@ class TurnTrack {
       typename Sum::Rates white{};
       for (std::size_t i = 0; i < kAxes; ++i) white[i] = ticks.white_variance_rad2_s2(i);
       vertical_.complete_variances(white);
+      const float temperature_k = temperature_k_of(message);
       if constexpr (kTakesReferences) {
-        references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks),
-                           temperature_k_of(message));
+        references_.depart(sum_, message.time, bias_variance_rad2_s2(ticks), temperature_k);
       }
-      sum_.depart(white);
+      sum_.depart(white, temperature_k);
       asked_ticks_ = kShortest;
     }
     sum_.note_measurement(ticks.measured_ticks());

@@ -69,6 +69,10 @@ inline constexpr float kLargestStrength = 1e8F;
   constexpr float kLargestTolerance = 0.2F;
   return value >= 0.0F && value <= kLargestTolerance;
 }
+[[nodiscard]] inline bool is_temperature_k(float value) {
+  constexpr float kHottest_k = 500.0F;
+  return value >= 0.0F && value <= kHottest_k;
+}
 [[nodiscard]] inline bool is_scale_error(float value) {
   constexpr float kLargestError = 0.2F;
   return value > -kLargestError && value < kLargestError;
@@ -114,6 +118,8 @@ inline constexpr float kLargestStrength = 1e8F;
          (is_magnitude(model.turn_on_variance_rad2_s2) ||
           model.turn_on_variance_rad2_s2 == ZERORATE_UNKNOWN_VARIANCE) &&
          is_tolerance(model.scale_factor_sigma) && is_tolerance(model.asymmetry_sigma) &&
+         is_magnitude(model.slope_variance_rad2) && is_tolerance(model.scale_factor_sigma_per_k) &&
+         is_temperature_k(model.scale_factor_at_k) &&
          std::ranges::all_of(model.scale_factor_error, is_scale_error) &&
          is_magnitude(model.truncation_step_rad_s) && is_magnitude(model.largest_bias_rad_s) &&
          is_magnitude(model.gate_threshold_sigma) && is_sound(model.temperature) &&

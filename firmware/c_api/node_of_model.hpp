@@ -121,6 +121,16 @@ template <core::ModelShape Shape>
 }
 #endif
 
+/// Zeros are what is usual.
+[[nodiscard]] inline core::MotionModel motion_of(const zerorate_model& model) {
+  constexpr core::MotionModel kUsual;
+  const auto given_or = [](float given, float usual) { return given > 0.0F ? given : usual; };
+  return {.scale_factor = given_or(model.scale_factor_sigma, kUsual.scale_factor),
+          .asymmetry = model.asymmetry_sigma,
+          .slope_variance_rad2 = model.slope_variance_rad2,
+          .scale_factor_per_k = given_or(model.scale_factor_sigma_per_k, kUsual.scale_factor_per_k),
+          .scale_factor_at_k = given_or(model.scale_factor_at_k, kUsual.scale_factor_at_k)};
+}
 [[nodiscard]] inline core::ScaleCorrection scale_of(const zerorate_model& model) {
   core::ScaleCorrection scale;
   for (std::size_t i = 0; i < ZERORATE_AXES; ++i) {
@@ -191,10 +201,8 @@ template <core::ModelShape Shape>
 #if ZERORATE_TERMS > 0
     .inputs = inputs_of(model),
 #endif
-    .motion = {.scale_factor = model.scale_factor_sigma > 0.0F ? model.scale_factor_sigma
-                                                               : core::MotionModel{}.scale_factor,
-               .asymmetry = model.asymmetry_sigma},
-    .scale = scale_of(model), .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
+    .motion = motion_of(model), .scale = scale_of(model),
+    .sample_period = core::Duration::nanoseconds(model.sample_period_ns),
     .hypotheses = hypotheses_of<kShape>(model),
     .quantization_step_rad_s = model.truncation_step_rad_s, .truncation = {
       .half_step_rad_s = 0.5F * model.truncation_step_rad_s

@@ -141,6 +141,25 @@ std::vector<float> scale_factor_errors(const SensorModel& model) {
   return errors;
 }
 
+/// Nothing where it is what C makes of zeros.
+std::string scale_of_temperature(const core::MotionModel& motion) {
+  const core::MotionModel silent{};
+  std::string fields;
+  if (motion.scale_factor_per_k != silent.scale_factor_per_k) {
+    fields += field("scale_factor_sigma_per_k", motion.scale_factor_per_k);
+  }
+  if (motion.scale_factor_at_k != silent.scale_factor_at_k) {
+    fields += field("scale_factor_at_k", motion.scale_factor_at_k);
+  }
+  return fields;
+}
+
+/// Nothing where the axis is vertical.
+std::string slopes(const core::MotionModel& motion) {
+  if (motion.slope_variance_rad2 == 0.0F) return {};
+  return field("slope_variance_rad2", motion.slope_variance_rad2);
+}
+
 /// Nothing where none is known: C makes zeros of it.
 std::string scale_factor_error(const std::vector<float>& errors) {
   if (errors.empty()) return {};
@@ -213,8 +232,9 @@ std::string format_c_header(const SensorModel& model, core::Duration sample_peri
          (core::is_finite(node.largest_bias_rad_s)
               ? field("largest_bias_rad_s", node.largest_bias_rad_s)
               : std::string{}) +
-         field("scale_factor_sigma", node.motion.scale_factor) +
-         field("asymmetry_sigma", node.motion.asymmetry) + scale_factor_error(errors) +
+         field("scale_factor_sigma", node.motion.scale_factor) + scale_of_temperature(node.motion) +
+         field("asymmetry_sigma", node.motion.asymmetry) + slopes(node.motion) +
+         scale_factor_error(errors) +
          (node.truncation.is_on() ? field("truncation_step_rad_s", node.quantization_step_rad_s)
                                   : std::string{}) +
          field("gate_threshold_sigma", node.gate.threshold_sigma) +

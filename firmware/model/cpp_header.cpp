@@ -84,6 +84,19 @@ std::string hypotheses_member(const core::Hypotheses<kWidestLearningShape>& all,
          "    }}},\n";
 }
 
+/// Members that have the default stay out.
+std::string motion_member(const core::MotionModel& motion) {
+  const core::MotionModel silent{};
+  const auto other = [](const char* name, float value, float usual) {
+    return value == usual ? std::string{} : std::string{", ."} + name + " = " + literal(value);
+  };
+  return "    .motion = {.scale_factor = " + literal(motion.scale_factor) +
+         ", .asymmetry = " + literal(motion.asymmetry) +
+         other("slope_variance_rad2", motion.slope_variance_rad2, silent.slope_variance_rad2) +
+         other("scale_factor_per_k", motion.scale_factor_per_k, silent.scale_factor_per_k) +
+         other("scale_factor_at_k", motion.scale_factor_at_k, silent.scale_factor_at_k) + "},\n";
+}
+
 /// Nothing where no error of a scale factor is known, which is the default.
 std::string scale_member(const core::ScaleCorrection& scale) {
   if (!scale.is_on()) return {};
@@ -149,10 +162,8 @@ std::string format_cpp_header(const SensorModel& model, core::Duration sample_pe
          finite_member("largest_bias_rad_s", node.largest_bias_rad_s) +
          ",\n    .gate = {.threshold_sigma = " + literal(node.gate.threshold_sigma) +
          ", .longest_knock_ticks = " + std::to_string(node.gate.longest_knock_ticks) + "},\n" +
-         inputs_member(node.inputs) + samples(node.samples) +
-         "    .motion = {.scale_factor = " + literal(node.motion.scale_factor) +
-         ", .asymmetry = " + literal(node.motion.asymmetry) + "},\n" + scale_member(node.scale) +
-         "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
+         inputs_member(node.inputs) + samples(node.samples) + motion_member(node.motion) +
+         scale_member(node.scale) + "    .sample_period = " + nanoseconds(sample_period) + ",\n" +
          hypotheses_member(node.hypotheses, decaying) +
          step_members(node.quantization_step_rad_s, node.truncation) +
          "}};\n"

@@ -35,6 +35,8 @@ inline constexpr Rule kDecades{[](double x) { return x >= 1.0 && x <= 8.0; },
 
 inline constexpr Rule kTolerance{[](double x) { return x >= 0.0 && x <= 20.0; },
                                  "a tolerance from 0 to 20 %"};
+inline constexpr Rule kTemperature{[](double x) { return x >= -100.0 && x <= 200.0; },
+                                   "a temperature from -100 to 200 deg C"};
 inline constexpr Rule kScaleError{[](double x) { return x > -20.0 && x < 20.0; },
                                   "three numbers, of x, y and z, each between -20 and 20 %"};
 inline constexpr Rule kCoefficients{[](double x) { return std::isfinite(x); },
@@ -205,17 +207,21 @@ void visit_fields(auto& visitor, MaybeConst<ZeroRate> auto& zero_rate) {
 }
 
 void visit_fields(auto& visitor, MaybeConst<ScaleFactor> auto& scale_factor) {
-  auto& [sigma, asymmetry_sigma, error, source] = scale_factor;
+  auto& [sigma, asymmetry_sigma, sigma_per_k, reference_degc, error, source] = scale_factor;
   visitor.number("sigma_percent", sigma, FileUnit::percent, kTolerance, Presence::required);
   visitor.number("asymmetry_percent", asymmetry_sigma, FileUnit::percent, kTolerance,
                  Presence::optional);
+  visitor.number("temperature_percent_per_degc", sigma_per_k, FileUnit::percent, kPositive,
+                 Presence::optional);
+  visitor.number("reference_degc", reference_degc, FileUnit::si, kTemperature, Presence::optional);
   visitor.axes("error_percent", error, FileUnit::percent, kScaleError);
   visitor.text("source", source, Presence::optional);
 }
 
 void visit_fields(auto& visitor, MaybeConst<Mounting> auto& mounting) {
-  auto& [tilt_sigma_rad, source] = mounting;
+  auto& [tilt_sigma_rad, slope_sigma, source] = mounting;
   visitor.number("tilt_sigma_deg", tilt_sigma_rad, FileUnit::degree, kTilt, Presence::required);
+  visitor.number("slope_percent", slope_sigma, FileUnit::percent, kTolerance, Presence::optional);
   visitor.text("source", source, Presence::optional);
 }
 

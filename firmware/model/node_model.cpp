@@ -211,12 +211,18 @@ core::SampleModel samples_of(const SensorModel& model, double sample_s, double t
   return samples;
 }
 
+constexpr double kZeroCelsius_k = 273.15;
+
 /// An axis that is askew measures the cosine of its tilt, as if its scale factor were smaller.
 core::MotionModel motion_model_of(const SensorModel& model) {
   const ScaleFactor scale_factor = model.scale_factor.value_or(ScaleFactor{});
-  const double tilt = model.mounting.value_or(Mounting{}).tilt_sigma_rad;
+  const Mounting mounting = model.mounting.value_or(Mounting{});
+  const double tilt = mounting.tilt_sigma_rad;
   return {.scale_factor = single(std::hypot(scale_factor.sigma, 1.0 - std::cos(tilt))),
-          .asymmetry = single(scale_factor.asymmetry_sigma)};
+          .asymmetry = single(scale_factor.asymmetry_sigma),
+          .slope_variance_rad2 = single_or_zero(std::pow(tilt * mounting.slope_sigma, 2.0)),
+          .scale_factor_per_k = single_or_zero(scale_factor.sigma_per_k),
+          .scale_factor_at_k = single(scale_factor.reference_degc + kZeroCelsius_k)};
 }
 
 core::ScaleCorrection scale_correction_of(const SensorModel& model) {

@@ -223,6 +223,8 @@ struct ZeroRate {
 struct ScaleFactor {
   double sigma = 0.01;           ///< relative standard deviation over the parts of a kind
   double asymmetry_sigma = 0.0;  ///< half the difference between both senses of rotation
+  double sigma_per_k = 1e-4;     ///< relative change a kelvin, standard deviation over the parts
+  double reference_degc = 25.0;  ///< temperature at which `sigma` holds
   /// Known errors of x, y and z, relative, which a node takes off; `sigma` is about what is left.
   std::array<double, 3> error{};
   std::string source{};
@@ -235,6 +237,9 @@ struct Mounting {
   /// Standard deviation of the angle between the axis and the vertical; of a turn about the
   /// vertical the axis measures the cosine.
   double tilt_sigma_rad = 0.0;
+  /// Standard deviation of the slope of the road, along and across; a tilted axis takes a change of
+  /// it for a turn.
+  double slope_sigma = 0.04;
   std::string source{};
 
   bool operator==(const Mounting&) const = default;

@@ -32,7 +32,7 @@ inline constexpr app::NodeParams<kModelShape> kNodeParams{.model = {
     .turn_on_variance_rad2_s2 = 7.6154356e-05F,
     .largest_bias_rad_s = 0.43633232F,
     .gate = {.threshold_sigma = 0.0F, .longest_knock_ticks = 0},
-    .motion = {.scale_factor = 0.03F, .asymmetry = 0.0F},
+    .motion = {.scale_factor = 0.015F, .asymmetry = 0.0F, .scale_factor_per_k = 4e-04F},
     .sample_period = core::Duration::nanoseconds(8000000),
 }};
 // clang-format on

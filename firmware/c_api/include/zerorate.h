@@ -187,7 +187,10 @@ typedef struct zerorate_model {
   float turn_on_variance_rad2_s2;           /**< or ZERORATE_UNKNOWN_VARIANCE */
   float largest_bias_rad_s; /**< by the chip's specification; a larger one is flagged. 0: unknown */
   float scale_factor_sigma; /**< relative tolerance, of a tilted axis too, to 0.2. 0: 0.01 */
-  float asymmetry_sigma;    /**< of half the difference between both senses; 0: none */
+  float scale_factor_sigma_per_k; /**< change of it with the temperature; 0: 0.0001 */
+  float scale_factor_at_k;        /**< temperature at which the tolerance holds; 0: 298.15 */
+  float asymmetry_sigma;          /**< of half the difference between both senses; 0: none */
+  float slope_variance_rad2;      /**< of the turn that a slope feigns on a tilted axis; 0: none */
   /** Known relative error of each scale factor, which is taken off the rate; below 0.2 either way.
       0.01: a turn by 100 deg is measured as 101 deg. Zeros: none is known. */
   float scale_factor_error[ZERORATE_AXES];

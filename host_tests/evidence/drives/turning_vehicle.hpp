@@ -59,9 +59,13 @@ inline std::vector<double> corners_dps(std::size_t samples, const random::Random
 }
 
 /// Parameters of a node whose model has a tolerance of the scale factor.
-inline TurningNode::Params turning_params(double tolerance) {
+/// @param hypotheses of its noise; 1: the model is taken at its word
+inline TurningNode::Params turning_params(double tolerance, int hypotheses = model::kMostHypotheses,
+                                          double tilt_rad = 0.0) {
   model::SensorModel sensor = model::find_model("lsm6dso");
   sensor.scale_factor = model::ScaleFactor{.sigma = tolerance};
+  sensor.learning = model::Learning{.hypotheses = hypotheses};
+  if (tilt_rad > 0.0) sensor.mounting = model::Mounting{.tilt_sigma_rad = tilt_rad};
   const core::Duration period = core::Duration::milliseconds(50);
   const core::Duration tick = core::Duration::milliseconds(500);
   return {.model = model::make_node_model<kTurningShape>(sensor, period, tick)};

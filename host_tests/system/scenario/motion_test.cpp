@@ -152,8 +152,9 @@ bool is_taught(const DriveError& drive) {
 constexpr std::uint64_t kMotionSeeds = 3;
 
 /// Expects honest intervals, and that references leave a share of the error at most.
-void expect_taught(const char* name, Teaches teaches, double share) {
-  const Comparison drives{name, drives_of(name, teaches, lsm6dso(), kMotionSeeds), is_taught};
+void expect_taught(const char* name, Teaches teaches, double share,
+                   const model::SensorModel& model = lsm6dso()) {
+  const Comparison drives{name, drives_of(name, teaches, model, kMotionSeeds), is_taught};
   expect_honest(drives.alone);
   expect_honest(drives.taught);
   EXPECT_LT(drives.taught.rms_deg(), share * drives.alone.rms_deg());
@@ -165,7 +166,18 @@ TEST(ScaleOnePercent, IsLearntFromTheHeadingAtStops) {
 
 // The slope of the place where it parks remains: the tilted axis measures a share of it.
 TEST(MountedAskew, IsLearntAsScaleFactorFromTwoAntennas) {
-  expect_taught("mounted-askew", Teaches::always, 0.4);
+  model::SensorModel model = lsm6dso();
+  model.mounting = model::Mounting{.tilt_sigma_rad = 5.0 * kDps};
+  expect_taught("mounted-askew", Teaches::always, 0.4, model);
+}
+
+// A model that says nothing of the mounting leaves the slopes out of the interval.
+TEST(MountedAskew, IsLearntFromTwoAntennasByAModelOfAVerticalAxis) {
+  const Comparison drives{"mounted-askew, silent",
+                          drives_of("mounted-askew", Teaches::always, lsm6dso(), kMotionSeeds),
+                          is_taught};
+  expect_honest(drives.alone);
+  EXPECT_LT(drives.taught.rms_deg(), 0.4 * drives.alone.rms_deg());
 }
 
 // Without references the interval does not hold: nothing shows that the bias is another in motion.

@@ -22,6 +22,7 @@ static const zerorate_model mpu6050_model = {
     .turn_on_variance_rad2_s2 = 7.6154356e-05F,
     .largest_bias_rad_s = 0.6981317F,
     .scale_factor_sigma = 0.03F,
+    .scale_factor_sigma_per_k = 3e-04F,
     .asymmetry_sigma = 0.0F,
     .gate_threshold_sigma = 0.0F,
     .gate_longest_knock_ticks = 0,

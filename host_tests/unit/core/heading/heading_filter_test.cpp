@@ -173,29 +173,6 @@ TEST(HeadingFilter, LearnsNothingWhileItsSourceMayBeAligning) {
   EXPECT_EQ(filter.take_heading(0.51F, kVariance, {}), Verdict::learnt);
 }
 
-TEST(HeadingFilter, LearnsHowMuchTheBiasDiffersFromDriveToDrive) {
-  constexpr float kTrue_rad_s = 0.004F * kRadPerDeg;
-  std::mt19937_64 random{12};
-  std::normal_distribution<float> bias{0.0F, kTrue_rad_s};
-  HeadingFilter filter = filter_of_honest_references();
-  HeadingFilter::State state = filter.state();
-  state.between_drives_rad2_s2 = 4.0F * kTrue_rad_s * kTrue_rad_s;
-  filter.restore(state);
-  constexpr int kDrives = 40;
-  for (int k = 0; k < kDrives; ++k) {
-    filter.depart(1e-12F);
-    (void)filter.take_heading(0.0F, 1e-2F * kVariance, {});
-    filter.advance({bias(random) * 600.0F, 600.0F}, 0.0F, 1e-12F);
-    EXPECT_EQ(filter.take_heading(0.0F, 1e-2F * kVariance, {}), Verdict::learnt);
-    filter.lose_heading();
-  }
-  filter.depart(1e-12F);
-  // The deviation of a variance of 32 drives is a quarter of it.
-  const float found = filter.state().between_drives_rad2_s2 / (kTrue_rad_s * kTrue_rad_s);
-  EXPECT_GT(found, 0.4F);
-  EXPECT_LT(found, 1.6F);
-}
-
 /// Drives a road with references of a second, changed by what is wrong with them.
 template <class Wrong>
 HeadingFilter driven(Wrong wrong) {
@@ -303,6 +280,16 @@ TEST(HeadingFilter, IsLessSureAtAnotherTemperature) {
   EXPECT_NEAR(growth_at(filter, {0.0F}), 0.0F, 0.01F * kOfTenK) << "no thermometer";
 }
 
+TEST(HeadingFilter, IsLessSureOfTheToleranceAwayFromItsTemperature) {
+  HeadingFilter::Params params = kParams;
+  params.scale_factor_per_k = 3e-4F;
+  params.scale_factor_at_k = 298.0F;
+  constexpr float kOfTwentyK = 20.0F * 3e-4F * 20.0F * 3e-4F;
+  EXPECT_NEAR(growth_at(HeadingFilter{params}, {318.0F}), kOfTwentyK, 0.01F * kOfTwentyK);
+  EXPECT_NEAR(growth_at(HeadingFilter{params}, {298.0F}), 0.0F, 0.01F * kOfTwentyK);
+  EXPECT_NEAR(growth_at(HeadingFilter{params}, {0.0F}), 0.0F, 0.01F * kOfTwentyK);
+}
+
 /// Verifies SR-SNAP-10.
 TEST(LearntMotion, IsRefusedWhereItIsImpossible) {
   const LearntMotion learnt =
@@ -318,7 +305,7 @@ TEST(LearntMotion, IsRefusedWhereItIsImpossible) {
   EXPECT_FALSE(is_possible(&LearntMotion::scale_factor, -0.6F));
   EXPECT_FALSE(is_possible(&LearntMotion::scale_variance, -1e-9F));
   EXPECT_FALSE(is_possible(&LearntMotion::covariance_rad_s, 1.0F));
-  EXPECT_FALSE(is_possible(&LearntMotion::between_drives_weight, 0.5F));
+  EXPECT_FALSE(is_possible(&LearntMotion::between_drives_weight, 0.0F));
   EXPECT_FALSE(is_possible(&LearntMotion::noise_factor, 0.0F));
   EXPECT_FALSE(is_possible(&LearntMotion::drives, learnt.references + 1));
 }

@@ -36,7 +36,8 @@ struct Vehicle {
       in_tick = in_tick - Duration::seconds(1);
       sum.close_tick();
     }
-    if (moves && !sum.moves() && sum.has_rested(measured_ticks)) sum.depart({white_variance});
+    if (moves && !sum.moves() && sum.has_rested(measured_ticks))
+      sum.depart({white_variance}, temperature_k);
     if (moves) sum.note_measurement(measured_ticks);
     sum.add({.since_last = since_last,
              .rate_rad_s = {rate_rad_s},
@@ -52,10 +53,25 @@ struct Vehicle {
   Sum sum;
   Duration period;
   Duration in_tick;
+  float temperature_k = 0.0F;
   float white_variance = 0.0F;
   float bias_sigma = 0.0F;
   std::uint32_t measured_ticks = 1;
 };
+
+TEST(TurnSum, IsLessSureOfTheScaleFactorWhereItIsWarm) {
+  const auto sigma_deg = [](float temperature_k) {
+    Vehicle vehicle{{.scale_factor = 0.01F, .scale_factor_per_k = 3e-4F}};
+    vehicle.temperature_k = temperature_k;
+    vehicle.run(10.0, 0.0F, false);
+    vehicle.run(10.0, 10.0F * kDeg, true);
+    return vehicle.sigma_deg();
+  };
+  EXPECT_NEAR(sigma_deg(298.15F), 1.0, 0.01);
+  EXPECT_NEAR(sigma_deg(338.15F), std::hypot(1.0, 1.2), 0.01) << "40 K warmer";
+  EXPECT_NEAR(sigma_deg(258.15F), std::hypot(1.0, 1.2), 0.01) << "40 K colder";
+  EXPECT_NEAR(sigma_deg(0.0F), 1.0, 0.01) << "no thermometer";
+}
 
 /// Verifies SR-HEAD-01.
 TEST(TurnSum, IsTheIntegralSinceDeparture) {

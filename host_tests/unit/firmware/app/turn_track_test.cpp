@@ -113,6 +113,39 @@ TEST(TurnWithFullScale, IsNotKnownOnThatAxis) {
   EXPECT_FALSE(std::isfinite(sigma_rad(end, 1)));
 }
 
+TEST(TurnOfATiltedAxis, HoldsTheSlopesAtBothEnds) {
+  const auto turn_variance = [](float slope_variance_rad2) {
+    auto params = node_params();
+    params.model.motion.slope_variance_rad2 = slope_variance_rad2;
+    Node node{params};
+    stand(node, 0, 20'000);
+    const double sigma = sigma_rad(drive(node, 20'000, 25'000, 0.0F).back(), 0);
+    return sigma * sigma;
+  };
+  EXPECT_NEAR(turn_variance(1e-4F) - turn_variance(0.0F), 2e-4, 1e-8);
+}
+
+TEST(TurnOfAWarmSensor, IsLessSureOfItsScaleFactor) {
+  auto params = node_params();
+  params.model.motion = {.scale_factor = 0.0F, .scale_factor_per_k = 1e-3F};
+  const auto sigma_at = [&](float degc) {
+    Node node{params};
+    stand(node, 0, 20'000);
+    RateMessage end;
+    for (std::int64_t ms = 20'000; ms < 30'000; ms += 10) {
+      core::GyroSample sample = noisy_sample(at_ms(ms), kBias + 0.1F);
+      sample.temperature = core::Temperature::from_degc(degc);
+      sample.has_temperature = true;
+      node.pulse(sample.time);
+      end = node.step(sample);
+    }
+    return sigma_rad(end, 0);
+  };
+  // 40 K make 4 % of a turn by a radian.
+  EXPECT_NEAR(std::sqrt(std::pow(sigma_at(65.0F), 2.0) - std::pow(sigma_at(25.0F), 2.0)), 0.04,
+              1e-3);
+}
+
 /// Oracle of the bias part: predict_heading() of the same node over the same time.
 /// Verifies SR-HEAD-03.
 TEST(ErrorOfTheTurn, IsThatOfTheFilterWhereNothingIsTurned) {

@@ -106,10 +106,13 @@ limit_dps = 3
 [scale_factor]
 sigma_percent = 1.5
 asymmetry_percent = 0.25
+temperature_percent_per_degc = 0.02
+reference_degc = 30
 error_percent = [0.5, -1.25, 2]
 
 [mounting]
 tilt_sigma_deg = 8
+slope_percent = 5
 
 [learning]
 hypotheses = 4

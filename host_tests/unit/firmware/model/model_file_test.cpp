@@ -82,6 +82,10 @@ TEST(ModelFileWithEverything, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(model.variable_noise->variance_sigma, 0.2);
   EXPECT_DOUBLE_EQ(model.saturation->lower_rad_s, -240.5 * kDeg);
   EXPECT_DOUBLE_EQ(model.scale_factor->error[1], -0.0125);
+  EXPECT_DOUBLE_EQ(model.scale_factor->sigma_per_k, 2e-4);
+  EXPECT_EQ(model.scale_factor->reference_degc, 30.0);
+  EXPECT_DOUBLE_EQ(model.mounting->tilt_sigma_rad, 8.0 * kDeg);
+  EXPECT_DOUBLE_EQ(model.mounting->slope_sigma, 0.05);
   EXPECT_EQ(model.gate->threshold_sigma, 5.0);
   EXPECT_EQ(model.gate->longest_knock_s, 3.0);
   EXPECT_EQ(model.learning->hypotheses, 4);
@@ -221,7 +225,7 @@ TEST(ModelFileWithAWrongType, TellsWhatWasExpected) {
   EXPECT_EQ(message_of(with("source = \"table 1\"", "source = 1")),
             "m.toml:6:10: \"source\" in [white]: expected text in quotes");
   EXPECT_EQ(message_of(with("start = \"zero\"", "start = \"warm\"")),
-            "m.toml:112:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
+            "m.toml:115:9: \"start\" in [node]: expected \"zero\" or \"stationary\"");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\nname = 'g'\nwhite = 3\n"),
             "m.toml:3:9: \"white\": expected a table, [white]");
   EXPECT_EQ(message_of("schema = 'zerorate.model/2'\ngauss_markov = 3\nname = 'g'\n"
