@@ -58,6 +58,7 @@ class TurnSum {
   struct Window {
     Rates turn_rad{};
     float length_s = 0.0F;
+    float gap_variance_rad2 = 0.0F;
 
     constexpr bool operator==(const Window&) const = default;
   };
@@ -126,6 +127,7 @@ class TurnSum {
            are_plausible(state.path_rad) && are_plausible(state.newest_rad_s) &&
            is_plausible_variance(state.before.length_s) &&
            is_plausible_variance(state.long_before.length_s) &&
+           state.before.gap_variance_rad2 >= 0.0F && state.long_before.gap_variance_rad2 >= 0.0F &&
            is_plausible_variance(state.scale_variance) && state.gap_variance_rad2 >= 0.0F &&
            are_plausible_variances(state.slow_variance_rad2);
   }
@@ -171,19 +173,26 @@ class TurnSum {
     state_.tick_rad = {};
   }
 
-  /// Adds a sample. Call depart() before where it is the first of a drive.
+  /// Adds a sample. Call depart() before where it is the first of a drive. A gap that follows
+  /// motion belongs to it: nothing shows when within the gap the vehicle stopped, or whether it
+  /// did.
   constexpr void add(const Sample& sample) {
-    if (sample.moves != state_.moves) turn_to(sample.moves, sample.bias_sigma_rad_s);
     const float interval_s = sample.since_last.in_seconds();
+    const float gap_s = is_gap(interval_s) ? interval_s : 0.0F;
+    const bool is_gap_in_motion = state_.moves && gap_s > 0.0F;
+    if (sample.moves != state_.moves && !is_gap_in_motion)
+      turn_to(sample.moves, sample.bias_sigma_rad_s);
     for (std::size_t i = 0; i < Axes; ++i) {
       state_.tick_rad[i] += 0.5F * interval_s * (state_.newest_rad_s[i] + sample.rate_rad_s[i]);
     }
     state_.newest_rad_s = sample.rate_rad_s;
     if (state_.moves) {
-      add_error(sample, interval_s);
+      add_error(sample, interval_s, gap_s);
     } else {
       state_.before.length_s += interval_s;
+      if (gap_s > 0.0F) state_.before.gap_variance_rad2 += gap_variance_rad2(gap_s);
     }
+    if (sample.moves != state_.moves) turn_to(sample.moves, sample.bias_sigma_rad_s);
   }
 
   /// Sets the bias part of the error.
@@ -251,12 +260,13 @@ class TurnSum {
       state_.path_rad[i] += turn_rad[i] < 0.0F ? -turn_rad[i] : turn_rad[i];
     }
   }
-  constexpr void add_error(const Sample& sample, float interval_s) {
+  /// @param gap_s the interval where it is a gap, 0 elsewhere
+  constexpr void add_error(const Sample& sample, float interval_s, float gap_s) {
     state_.duration = state_.duration + sample.since_last;
     grow_bias_sigma(interval_s, sample.bias_sigma_rad_s);
     state_.lost_axes |= sample.saturated_axes;
-    if (!is_gap(interval_s)) return;
-    state_.gap_variance_rad2 += gap_variance_rad2(interval_s);
+    if (!(gap_s > 0.0F)) return;
+    state_.gap_variance_rad2 += gap_variance_rad2(gap_s);
     sum_slow_variances();
   }
   /// The parts of the error that a sample hardly changes.
@@ -275,6 +285,8 @@ class TurnSum {
     if (!moves) return;
     add(state_.long_before.turn_rad);
     add(state_.before.turn_rad);
+    state_.gap_variance_rad2 +=
+        state_.long_before.gap_variance_rad2 + state_.before.gap_variance_rad2;
     const float length_s = state_.long_before.length_s + state_.before.length_s;
     constexpr float kMillisecondsPerSecond = 1e3F;
     state_.duration =

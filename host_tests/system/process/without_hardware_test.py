@@ -136,6 +136,26 @@ class WithoutHardware(Simulated):
         for force, expected in zip(forces[-1], (0.0, 0.0, 9.80665), strict=True):
             self.assertAlmostEqual(force, expected, delta=0.06)  # six deviations of 1 mg
 
+    def test_gives_the_heading_of_several_drives(self):
+        # Each minute rests 20 s and then swings four times from 0 to 100 / pi deg and back.
+        self.simulate("", "time_factor = 20\n")
+        port = self.receiver.getsockname()[1]
+        self.receiver.close()
+        example = subprocess.Popen([sys.executable, "-B", REPOSITORY / "docs/examples/python/heading.py", str(port)],
+                                   stdout=subprocess.PIPE, text=True)
+        time.sleep(0.5)
+        self.start()
+        time.sleep(180 / 20 + 1)
+        self.stop()
+        example.terminate()
+        lines = [tuple(map(float, line.split())) for line in example.communicate(timeout=LIMIT_S)[0].splitlines()]
+        known = [(heading, sigma) for heading, sigma in lines if math.isfinite(sigma)]
+        self.assertGreater(len(known), 1000)
+        # A busy machine loses messages, and has gaps in the samples, which widen the interval.
+        self.assertLess(sorted(sigma for _, sigma in known)[len(known) // 2], 3.0)
+        for wanted, found in ((0.0, min(known)), (100 / math.pi, max(known))):
+            self.assertLess(abs(found[0] - wanted), 4 * found[1] + 0.2, "a sample of 10 deg/s is 0.1 deg")
+
     def test_refuses_a_configuration_or_model_that_exhausts_its_stack(self):
         self.simulate()
         configuration = self.file.read_text()

@@ -177,6 +177,28 @@ TEST(TurnSum, HasTheErrorOfAGapInATurn) {
   EXPECT_GT(vehicle.sum.sigma(0, 0.0F, Duration::seconds(3)).in(deg), 25.0F);
 }
 
+TEST(TurnSum, HasTheTurnAndTheErrorOfAGapThatEndsAtRest) {
+  Vehicle vehicle{kPerfect};
+  vehicle.run(20.0, 0.0F, false);
+  vehicle.run(2.0, 10.0F * kDeg, true);
+  vehicle.take(Duration::seconds(1), 10.0F * kDeg, false);
+  EXPECT_FALSE(vehicle.sum.moves());
+  EXPECT_NEAR(vehicle.angle_deg(), 30.0, 0.2);
+  EXPECT_NEAR(vehicle.sigma_deg(), 20.0 / std::sqrt(12.0), 0.01);
+  vehicle.run(20.0, 0.0F, false);
+  EXPECT_NEAR(vehicle.angle_deg(), 30.0, 0.2);
+  EXPECT_NEAR(vehicle.sigma_deg(), 20.0 / std::sqrt(12.0), 0.01);
+}
+
+TEST(TurnSum, HasTheErrorOfAGapBeforeMotionIsNoticed) {
+  Vehicle vehicle{kPerfect};
+  vehicle.run(20.0, 0.0F, false);
+  vehicle.take(Duration::seconds(1), 10.0F * kDeg, false);
+  vehicle.run(2.0, 10.0F * kDeg, true);
+  EXPECT_NEAR(vehicle.angle_deg(), 25.0, 0.2);  // the rate rose within the gap
+  EXPECT_NEAR(vehicle.sigma_deg(), 20.0 / std::sqrt(12.0), 0.01);
+}
+
 /// Verifies SR-HEAD-05.
 TEST(TurnSum, IsUnknownAfterFullScaleUntilTheNextDeparture) {
   Vehicle vehicle{kPerfect};
