@@ -145,7 +145,7 @@ class NodeService {
   std::atomic<std::uint32_t> turns_ = 0;
   std::atomic<Handover> handover_ = Handover::idle;
   std::uint32_t asked_failures_ = 0;  ///< failures of the gyro whose reasons were asked for
-  HardwareReasons reasons_;           ///< of the newest failure
+  HardwareReasons reasons_;           ///< why the gyro failed last
   ServiceStatus
       offered_status_;  ///< written by the measuring thread while requested, read while ready
 

@@ -45,7 +45,7 @@ float variance_learnt(float true_rad_s, int drives, std::uint64_t seed) {
   return filter.state().between_drives_rad2_s2;
 }
 
-TEST(HeadingFilterVariances, LearnsHowMuchTheBiasDiffersFromDriveToDrive) {
+TEST(HeadingFilterVariances, LearnsHowMuchTheBiasOfDrivesDiffers) {
   for (const float dps : {0.002F, 0.004F, 0.006F}) {
     const float true_rad_s = dps * kRadPerDeg;
     // The deviation of a variance of 32 drives is a quarter of it.
@@ -55,13 +55,13 @@ TEST(HeadingFilterVariances, LearnsHowMuchTheBiasDiffersFromDriveToDrive) {
   }
 }
 
-TEST(HeadingFilterVariances, LearnsFromTenDrivesThatTheBiasDoesNotDiffer) {
+TEST(HeadingFilterVariances, LearnsThatTheBiasDoesNotDiffer) {
   const float guessed_rad_s = 0.004F * kRadPerDeg;
   // A reference errs by 0.05 deg, in 600 s by 1.2e-4 deg/s.
   EXPECT_LT(variance_learnt(0.0F, 10, 12), 0.01F * guessed_rad_s * guessed_rad_s);
 }
 
-TEST(HeadingFilterVariances, HoldsTheBiasOfThisDriveInTheVarianceOfATurn) {
+TEST(HeadingFilterVariances, HoldsTheBiasOfThisDrive) {
   HeadingFilter::Params params = kParams;
   params.between_drives_rad_s = 0.004F * kRadPerDeg;
   HeadingFilter filter{params};

@@ -61,7 +61,8 @@ struct Vehicle {
 
 TEST(TurnSum, IsLessSureOfTheScaleFactorWhereItIsWarm) {
   const auto sigma_deg = [](float temperature_k) {
-    Vehicle vehicle{{.scale_factor = 0.01F, .scale_factor_per_k = 3e-4F}};
+    const MotionModel model{.scale_factor = 0.01F, .scale_factor_per_k = 3e-4F};
+    Vehicle vehicle{model};
     vehicle.temperature_k = temperature_k;
     vehicle.run(10.0, 0.0F, false);
     vehicle.run(10.0, 10.0F * kDeg, true);
