@@ -59,6 +59,19 @@ struct Icm42688WithAcceleration : WithAcceleration<Icm42688, drivers::icm42688::
       ConfiguredBits{0x4F, 0xEF}, ConfiguredBits{0x4E, 0x3F}};
 };
 
+struct Icm45686WithAcceleration : WithAcceleration<Icm45686, drivers::icm45686::Chip> {
+  static constexpr const char* kName = "Icm45686WithAcceleration";
+  static constexpr float kLsbG = 4.0F / 32768.0F;
+  static constexpr std::size_t kFifoCapacity = 128;
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x32, 0x0E}, ConfiguredBits{0x1B, 0x7F}, ConfiguredBits{0x18, 0x07},
+      ConfiguredBits{0x16, 0xFF}, ConfiguredBits{0x20, 0x08}, ConfiguredBits{0x1E, 0xFF},
+      ConfiguredBits{0x1F, 0xFF}, ConfiguredBits{0x22, 0x07}, ConfiguredBits{0x1C, 0xFF},
+      ConfiguredBits{0x80, 0x02}, ConfiguredBits{0x10, 0x0F}, ConfiguredBits{0x81, 0x07},
+      ConfiguredBits{0x82, 0x07}, ConfiguredBits{0x83, 0x09}, ConfiguredBits{0x1D, 0xFF},
+      ConfiguredBits{0x21, 0x3F}};
+};
+
 /// Rates and accelerations are in one frame: neither can be lost alone.
 struct Mpu6500WithAcceleration : WithAcceleration<Mpu6500, drivers::mpu6500::Chip> {
   static constexpr const char* kName = "Mpu6500WithAcceleration";
@@ -189,6 +202,7 @@ using WiringsWithAcceleration =
                    OverI2c<Mpu6050WithAcceleration>, OverSpi<Icm20602WithAcceleration>,
                    OverSpi<Bmi160WithAcceleration>, OverSpi<Icm20948WithAcceleration>,
                    OverSpi<Bmi270WithAcceleration>, OverI2c<Bmi270WithAcceleration>,
+                   OverSpi<Icm45686WithAcceleration>, OverI2c<Icm45686WithAcceleration>,
                    OverI2cTwice<Bmi088WithAcceleration>>;
 using WiringsWithAccelerationAlone =
     core::TypeList<OverSpi<Adis16470WithAcceleration>, OverSpi<Adis16475Part2WithAcceleration>>;

@@ -75,6 +75,42 @@ struct Iim42652 : Icm42Family<hal::sim::SimulatedIim42652, drivers::icm42688::Ii
   static constexpr const char* kName = "Iim42652";
 };
 
+struct Icm45686 : Icm42688 {
+  static constexpr const char* kName = "Icm45686";
+  using Simulated = hal::sim::SimulatedIcm45686;
+  using Settings = drivers::icm45686::Settings;
+  using FullScale = drivers::icm45686::FullScale;
+  template <class Bus>
+  using Driver = drivers::Icm45686<Bus>;
+
+  static constexpr Settings kDataReady{.mode = drivers::icm45686::Mode::data_ready};
+  static constexpr Settings kFifo{.mode = drivers::icm45686::Mode::fifo, .fifo_watermark = 3};
+  static constexpr std::array kRanges{
+      Range<Settings>{{.full_scale = FullScale::dps_15_625}, 1.0F / 2097.152F, 15.6F},
+      Range<Settings>{{.full_scale = FullScale::dps_31_25}, 1.0F / 1048.576F, 31.2F},
+      Range<Settings>{{.full_scale = FullScale::dps_62_5}, 1.0F / 524.288F, 62.4F},
+      Range<Settings>{{.full_scale = FullScale::dps_125}, 1.0F / 262.144F, 124.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_250}, 1.0F / 131.072F, 249.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_500}, 1.0F / 65.536F, 499.9F},
+      Range<Settings>{{.full_scale = FullScale::dps_1000}, 1.0F / 32.768F, 999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_2000}, 1.0F / 16.384F, 1999.0F},
+      Range<Settings>{{.full_scale = FullScale::dps_4000}, 1.0F / 8.192F, 3998.0F}};
+  static constexpr float kTemperatureLsb = 1.0F / 128.0F;
+
+  static constexpr std::uint8_t kIdentity = 0x72;
+  /// Bit 7 of an address is a register behind the window.
+  static constexpr std::array kConfigured{
+      ConfiguredBits{0x32, 0x0E}, ConfiguredBits{0x18, 0x07}, ConfiguredBits{0x16, 0xFF},
+      ConfiguredBits{0x20, 0x08}, ConfiguredBits{0x1E, 0xFF}, ConfiguredBits{0x1F, 0xFF},
+      ConfiguredBits{0x22, 0x07}, ConfiguredBits{0x1C, 0xFF}, ConfiguredBits{0x80, 0x02},
+      ConfiguredBits{0x10, 0x0F}, ConfiguredBits{0x81, 0x07}, ConfiguredBits{0x83, 0x09},
+      ConfiguredBits{0x1D, 0xFF}, ConfiguredBits{0x21, 0x3F}};
+  static constexpr core::Duration kStartTime = core::Duration::milliseconds(2);
+  /// 70 ms and three samples of 100 Hz, and one more.
+  static constexpr core::Duration kEarliest = core::Duration::milliseconds(100);
+  static constexpr core::Duration kLatest = core::Duration::milliseconds(110);
+};
+
 struct Bmi088 {
   static constexpr const char* kName = "Bmi088";
   using Simulated = hal::sim::SimulatedBmi088;
@@ -324,15 +360,14 @@ struct OverI2c {
 };
 
 /// Every chip with a FIFO in every wiring, or in one where it differs from another by its name.
-using WiringsWithFifo =
-    core::TypeList<OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>,
-                   OverSpi<Bmi088>, OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>,
-                   OverI2c<Mpu6050>, OverSpi<Ism330dhcx>, OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>,
-                   OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>, OverI2c<Lsm6dsv16x>, OverSpi<Lsm6dsr>,
-                   OverI2c<Lsm6dsox>, OverSpi<Icm42605>, OverI2c<Iim42652>, OverSpi<Icm20689>,
-                   OverSpi<Icm20602>, OverI2c<Icm20602>, OverI2c<Mpu6886>, OverSpi<L3gd20h>,
-                   OverI2c<L3gd20h>, OverSpi<Bmi160>, OverI2c<Bmi160>, OverI2c<L3g4200d>,
-                   OverSpi<Icm20948>, OverI2c<Icm20948>, OverSpi<Bmi270>, OverI2c<Bmi270>>;
+using WiringsWithFifo = core::TypeList<
+    OverSpi<Lsm6dso>, OverI2c<Lsm6dso>, OverSpi<Icm42688>, OverI2c<Icm42688>, OverSpi<Bmi088>,
+    OverI2c<Bmi088>, OverSpi<Mpu6500>, OverI2c<Mpu6500>, OverI2c<Mpu6050>, OverSpi<Ism330dhcx>,
+    OverI2c<Ism330dhcx>, OverSpi<Asm330lhh>, OverI2c<Asm330lhh>, OverSpi<Lsm6dsv16x>,
+    OverI2c<Lsm6dsv16x>, OverSpi<Lsm6dsr>, OverI2c<Lsm6dsox>, OverSpi<Icm42605>, OverI2c<Iim42652>,
+    OverSpi<Icm20689>, OverSpi<Icm20602>, OverI2c<Icm20602>, OverI2c<Mpu6886>, OverSpi<L3gd20h>,
+    OverI2c<L3gd20h>, OverSpi<Bmi160>, OverI2c<Bmi160>, OverI2c<L3g4200d>, OverSpi<Icm20948>,
+    OverI2c<Icm20948>, OverSpi<Bmi270>, OverI2c<Bmi270>, OverSpi<Icm45686>, OverI2c<Icm45686>>;
 /// The other chips.
 using WiringsWithoutFifo =
     core::TypeList<OverSpi<Adxrs453>, OverSpi<Lsm6dsl>, OverI2c<Lsm6ds3trC>, OverSpi<Adis16470>,

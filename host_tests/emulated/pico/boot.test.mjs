@@ -39,6 +39,8 @@ for (const [name, bus, error] of [
   ['zerorate-pico-bmi160', 'spi', { code: 1, reg: 0x00 }],
   ['zerorate-pico-icm20948', 'spi', { code: 1, reg: 0x00 }],
   ['zerorate-pico-icm20948-i2c', 'i2c', { code: 0, bus: 0 }],
+  ['zerorate-pico-icm45686', 'spi', { code: 1, reg: 0x72 }],
+  ['zerorate-pico-icm45686-i2c', 'i2c', { code: 0, bus: 0 }],
   ['zerorate-pico-adxrs453', 'spi', {}],
   ['zerorate-pico-mpu6500', 'spi', { code: 1, reg: 0x75 }],
   ['zerorate-pico-mpu6050-i2c', 'i2c', { code: 0, bus: 0 }],

@@ -21,6 +21,8 @@ const CHIPS = [
   { name: 'bmi160', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x43, 0x01] },
   { name: 'icm20948', bus: 'spi', period_us: 8000, lsb_dps: 1 / 131.072, upset: [0x81, 0x02] },
   { name: 'icm20948', bus: 'i2c', period_us: 8000, lsb_dps: 1 / 131.072, upset: [0x81, 0x02] },
+  { name: 'icm45686', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x81, 0x02] },
+  { name: 'icm45686', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x1c, 0x10] },
   { name: 'adxrs453', bus: 'frames', period_us: 5000, lsb_dps: 1 / 80, isOneAxis: true },
 ];
 

@@ -20,13 +20,13 @@ TEST(Catalogue, HoldsTheSensors) {
   for (const CatalogueEntry& entry : catalogue()) {
     names.push_back(entry.name);
   }
-  EXPECT_THAT(names, testing::ElementsAre("adis16405", "adis16470", "adis16475-1", "adis16475-2",
-                                          "adis16475-3", "adxrs453", "asm330lhh", "bmi088",
-                                          "bmi160", "bmi270", "icm20602", "icm20689", "icm20948",
-                                          "icm42605", "icm42688", "iim42652", "ism330dhcx",
-                                          "l3g4200d", "l3gd20", "l3gd20h", "lsm6ds3tr-c", "lsm6dsl",
-                                          "lsm6dso", "lsm6dsox", "lsm6dsr", "lsm6dsv16x", "mpu6050",
-                                          "mpu6500", "mpu6886", "paper"));
+  EXPECT_THAT(
+      names, testing::ElementsAre(
+                 "adis16405", "adis16470", "adis16475-1", "adis16475-2", "adis16475-3", "adxrs453",
+                 "asm330lhh", "bmi088", "bmi160", "bmi270", "icm20602", "icm20689", "icm20948",
+                 "icm42605", "icm42688", "icm45686", "iim42652", "ism330dhcx", "l3g4200d", "l3gd20",
+                 "l3gd20h", "lsm6ds3tr-c", "lsm6dsl", "lsm6dso", "lsm6dsox", "lsm6dsr",
+                 "lsm6dsv16x", "mpu6050", "mpu6500", "mpu6886", "paper"));
 }
 
 TEST(CatalogueEntries, AreValidAndNameTheSourceOfEveryFigure) {
@@ -43,10 +43,10 @@ TEST(CatalogueEntries, AreValidAndNameTheSourceOfEveryFigure) {
 
 TEST(CatalogueEntriesWithoutADataSheetFigure, SaySo) {
   for (const std::string_view name :
-       {"lsm6dso",  "lsm6dsox", "lsm6dsr",     "lsm6dsl",     "lsm6ds3tr-c", "lsm6dsv16x",
-        "icm42605", "icm20948", "icm42688",    "iim42652",    "icm20602",    "icm20689",
-        "mpu6050",  "mpu6500",  "adis16475-2", "adis16475-3", "mpu6886",     "l3gd20h",
-        "l3gd20",   "l3g4200d", "bmi160",      "bmi270"}) {
+       {"lsm6dso",  "lsm6dsox", "lsm6dsr",  "lsm6dsl",     "lsm6ds3tr-c", "lsm6dsv16x",
+        "icm42605", "icm20948", "icm42688", "icm45686",    "iim42652",    "icm20602",
+        "icm20689", "mpu6050",  "mpu6500",  "adis16475-2", "adis16475-3", "mpu6886",
+        "l3gd20h",  "l3gd20",   "l3g4200d", "bmi160",      "bmi270"}) {
     EXPECT_THAT(find_model(name).flicker->source, testing::StartsWith("Estimated")) << name;
   }
   for (const std::string_view name : {"asm330lhh", "ism330dhcx"}) {
@@ -80,6 +80,7 @@ TEST(CatalogueEntries, BoundTheBiasWhereAFigureForItIsKnown) {
   EXPECT_NEAR(limit_dps("ism330dhcx"), 5.0, 1e-9);
   EXPECT_NEAR(limit_dps("bmi088"), 5.0, 1e-9);
   EXPECT_NEAR(limit_dps("icm42688"), 2.5, 1e-9);
+  EXPECT_NEAR(limit_dps("icm45686"), 2.5, 1e-9);
   EXPECT_NEAR(limit_dps("mpu6500"), 25.0, 1e-9);
   EXPECT_NEAR(limit_dps("lsm6ds3tr-c"), 15.0, 1e-9);
   EXPECT_NEAR(limit_dps("icm20602"), 25.0, 1e-9);

@@ -149,6 +149,7 @@ TEST(HeadersOfTheOtherGyrosOfThePico, EqualTodaysExport) {
         Exported{"mpu6050", core::Duration::milliseconds(10)},
         Exported{"bmi160", core::Duration::milliseconds(10)},
         Exported{"icm20948", core::Duration::milliseconds(8)},
+        Exported{"icm45686", core::Duration::milliseconds(10)},
         Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
     std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/" + chip + ".hpp");
     const std::string text{std::istreambuf_iterator<char>(file), {}};
