@@ -45,12 +45,13 @@ std::string IioAxes::attribute(std::string_view name) const {
   return "in_" + std::string{quantity_.channel} + "_" + std::string{name};
 }
 
-/// Accelerometers have 10 to 16 bits. A driver without a buffer shows none; then 16 are taken.
+/// Accelerometers have 10 to 16 bits, adis16475 gives 32 of all it reads. A driver without a buffer
+/// shows none; then 16 are taken.
 void IioAxes::find_counts() {
   const std::string type = "scan_elements/" + names_[0] + "_type";
   if (!device_.has(type)) return;
   const IioElement element = parse_iio_type(device_.text(type), device_.path_of(type));
-  if (element.is_signed && element.bits < 32) counts_ = std::int64_t{1} << (element.bits - 1);
+  if (element.is_signed && element.bits <= 32) counts_ = std::int64_t{1} << (element.bits - 1);
 }
 
 void IioAxes::set_range(double full_scale) {
@@ -61,7 +62,7 @@ void IioAxes::set_range(double full_scale) {
                                          std::string{quantity_.channel} + "_scale_available",
                                          names_[0] + "_scale_available"});
   const auto holds = [&](double scale) {
-    return scale * static_cast<double>(counts_) >= kRounding * full_scale;
+    return (scale + kIioDigits) * static_cast<double>(counts_) >= kRounding * full_scale;
   };
   if (choices) {
     auto scales = parse_numbers(device_.text(*choices), device_.path_of(*choices));

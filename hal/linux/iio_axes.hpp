@@ -27,6 +27,9 @@ inline constexpr IioQuantity kIioRate{"anglvel", "gyro", "full_scale_dps", true}
 inline constexpr IioQuantity kIioAcceleration{"accel", "accelerometer", "acceleration_range_g",
                                               false};  ///< in m/s2
 
+/// The kernel prints so much of a scale, and cuts the rest.
+inline constexpr double kIioDigits = 1e-9;
+
 /// Whether a device measures the quantity along any axis.
 [[nodiscard]] bool has_axes(const SysfsFolder& device, const IioQuantity& quantity);
 

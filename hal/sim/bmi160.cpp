@@ -79,7 +79,7 @@ void SimulatedBmi160::reset_registers() {
   fifo_.clear();
   is_gyro_on_ = false;
   is_accelerometer_on_ = false;
-  drive_int1();
+  drive_int1(false);
 }
 
 bool SimulatedBmi160::is_powered() const {
@@ -123,7 +123,8 @@ void SimulatedBmi160::measure(const std::array<core::AngularRate, 3>& rate,
     registers_[status] |= 0x80U;
   }
   push_frame();
-  drive_int1();
+  drive_int1(false);
+  drive_int1(true);
 }
 
 std::size_t SimulatedBmi160::frame_bytes() const {
@@ -169,7 +170,7 @@ std::uint8_t SimulatedBmi160::read_register(std::uint8_t address) {
   } else if (address >= acc_data && address <= acc_data_end) {
     registers_[status] &= 0x7FU;  // drdy_acc
   }
-  drive_int1();
+  drive_int1(false);
   return value;
 }
 
@@ -214,7 +215,7 @@ void SimulatedBmi160::write_register(std::uint8_t address, std::uint8_t value) {
     registers_.at(address) = value;
   }
   if (address == fifo_config_1) fifo_.clear();  // frames of another content
-  drive_int1();
+  drive_int1(false);
 }
 
 std::uint8_t SimulatedBmi160::next_address(std::uint8_t address) const {
@@ -222,14 +223,15 @@ std::uint8_t SimulatedBmi160::next_address(std::uint8_t address) const {
                                         : static_cast<std::uint8_t>((address + 1U) & 0x7FU);
 }
 
-void SimulatedBmi160::drive_int1() {
+/// The watermark's interrupt is a level. That of new data is not latched: it ends by itself, before
+/// anybody looks at it, whether or not the data are read.
+void SimulatedBmi160::drive_int1(bool is_new_sample) {
   const unsigned enabled = registers_[int_en_1];
   const unsigned mapped = registers_[int_map_1];
   const bool is_output = (registers_[int_out_ctrl] & 0x08U) != 0;
   const bool is_active_high = (registers_[int_out_ctrl] & 0x02U) != 0;
   const std::size_t watermark = std::size_t{4} * registers_[fifo_config_0];
-  const bool is_ready =
-      (registers_[status] & 0xC0U) != 0 && (enabled & 0x10U) != 0 && (mapped & 0x80U) != 0;
+  const bool is_ready = is_new_sample && (enabled & 0x10U) != 0 && (mapped & 0x80U) != 0;
   const bool is_filled =
       fifo_.size() >= watermark && watermark > 0 && (enabled & 0x40U) != 0 && (mapped & 0x40U) != 0;
   interrupt_.drive(is_output && (is_ready || is_filled) == is_active_high, clock_->now());

@@ -18,8 +18,8 @@ namespace zerorate::hal::sim {
 
 /// The chip (Bosch BST-BMI160-DS000): identity, reset values, commands (reset, power of both
 /// sensors, flush), start-up transients, rounding and clipping, data-ready, FIFO of frames without
-/// headers that drops the oldest, watermark, temperature, INT1 not latched. An acceleration cannot
-/// be lost: each frame has both sensors.
+/// headers that drops the oldest, watermark, temperature, INT1 not latched: a pulse for each
+/// sample. An acceleration cannot be lost: each frame has both sensors.
 ///
 /// Not modelled: the switch from I2C to SPI, headers and sensor time of the FIFO, different rates
 /// of the sensors, filters, low-power modes, offsets, self-test, motion interrupts, magnetometer,
@@ -60,7 +60,7 @@ class SimulatedBmi160 : public SimulatedRegisters<128>, public SimulatedAccelero
   [[nodiscard]] std::size_t frame_bytes() const;
   std::uint8_t read_fifo_byte();
   void run(std::uint8_t command);
-  void drive_int1();
+  void drive_int1(bool is_new_sample);
 
   std::deque<std::uint8_t> fifo_;
   bool is_gyro_on_ = false;

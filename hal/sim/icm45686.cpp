@@ -165,11 +165,11 @@ void SimulatedIcm45686::measure_acceleration() {
 }
 
 std::size_t SimulatedIcm45686::fifo_bytes() const {
-  return 256U * ((registers_[fifo_config0] & 0x1FU) + 1U);
+  return std::size_t{256} * ((registers_[fifo_config0] & 0x1FU) + 1U);
 }
 
 std::size_t SimulatedIcm45686::watermark() const {
-  return registers_[fifo_config1_0] + 256U * registers_[fifo_config1_1];
+  return registers_[fifo_config1_0] + std::size_t{256} * registers_[fifo_config1_1];
 }
 
 void SimulatedIcm45686::push_packet(core::Temperature temperature) {
@@ -302,6 +302,10 @@ void SimulatedIcm45686::write_register(std::uint8_t address, std::uint8_t value)
     write_window(value);
     return;
   }
+  store(address, value);
+}
+
+void SimulatedIcm45686::store(std::uint8_t address, std::uint8_t value) {
   if (address == ireg_addr_15_8 && is_window_busy_) ++reserved_writes_;
   if (address == ireg_addr_7_0) is_window_busy_ = true;  // fetches, or writes what follows
   note_power(address);

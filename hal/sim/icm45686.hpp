@@ -67,6 +67,7 @@ class SimulatedIcm45686 : public SimulatedRegisters<256>, public SimulatedAccele
   std::uint8_t read_count_low();
   std::uint8_t read_window();
   void write_window(std::uint8_t value);
+  void store(std::uint8_t address, std::uint8_t value);
   [[nodiscard]] bool is_against_the_order(std::uint8_t address, std::uint8_t value) const;
   void note_power(std::uint8_t address);
   void pulse_int1();

@@ -15,21 +15,26 @@ using hal::linux_os::IioScan;
 using hal::linux_os::KernelFileError;
 
 constexpr double kRadPerDeg = 0.017453292519943295;
-/// Gyros need so long after their power-up; not every driver waits for it.
-constexpr core::Duration kSettling = core::Duration::milliseconds(100);
+/// Gyros need so long after their power-up, the L3G4200D perhaps 250 ms; not every driver waits.
+constexpr core::Duration kSettling = core::Duration::milliseconds(300);
 constexpr core::Duration kLongestSilence = core::Duration::seconds(1);
 constexpr core::Duration kTemperatureInterval = core::Duration::seconds(1);
 
 /// Scale of the chip's data sheet, where the driver's is that of one of its ranges, rounded: bmg160
-/// tells three digits of 0.000133158 rad/s. Else the driver's.
-double exact_scale(double told, const ChipDescription* known) {
+/// tells three digits of 0.000133158 rad/s, adis16475 one of 0.000000001665 of 32 bits. Else the
+/// driver's; 0 where that has too few digits to be one.
+double exact_scale(double told, std::int64_t counts, const ChipDescription* known) {
   constexpr double kRounding = 0.01;
-  if (known == nullptr) return told;
-  for (const double full_scale_dps : known->full_scales_dps) {
-    const double scale = full_scale_dps * kRadPerDeg / known->counts;
-    if (std::abs(told - scale) <= kRounding * scale) return scale;
+  const std::span<const double> ranges =
+      known != nullptr ? known->full_scales_dps : std::span<const double>{};
+  for (const double full_scale_dps : ranges) {
+    const double of_16_bits = full_scale_dps * kRadPerDeg / known->counts;
+    const double scale = of_16_bits * 32768.0 / static_cast<double>(counts);
+    if (std::abs(told - scale) <= std::max(kRounding * scale, hal::linux_os::kIioDigits)) {
+      return scale;
+    }
   }
-  return told;
+  return hal::linux_os::kIioDigits <= kRounding * told ? told : 0.0;
 }
 
 core::Duration period_of(double rate_hz) {
@@ -75,7 +80,13 @@ void IioGyro::open(core::Instant now) {
   period_ = period_of(device_->rate_hz());
   const ChipDescription* const known = find_chip(settings_.chip);
   has_thermometer_ = known == nullptr || known->has_thermometer;  // bmg160 shows one of the BMI088
-  rad_s_per_count_ = exact_scale(device_->axes().si_per_count(), known);
+  const auto& axes = device_->axes();
+  rad_s_per_count_ = exact_scale(axes.si_per_count(), axes.counts(), known);
+  if (rad_s_per_count_ == 0.0) {
+    throw KernelFileError(
+        places_.sysfs + "/" + device_->identity().node + "/" + axes.scale_attribute(),
+        "too few digits", "is chip the name of the chip?");
+  }
   is_buffered_ = device_->has_buffer();
   temperature_ = device_->read_temperature();
   temperature_at_ = now;
@@ -170,7 +181,7 @@ IioGyro::Count IioGyro::read_attributes(core::Instant now, std::span<drivers::Gy
 }
 
 drivers::GyroSample IioGyro::sample_of(const IioScan& scan, core::Instant now) {
-  constexpr std::int64_t kLargest = 32767;
+  const std::int64_t largest = device_->axes().counts() - 1;
   drivers::GyroSample sample{.time = scan.time};
   const double full_scale = settings_.full_scale_dps * kRadPerDeg;
   const auto& mounting = device_->axes().mounting();
@@ -184,7 +195,7 @@ drivers::GyroSample IioGyro::sample_of(const IioScan& scan, core::Instant now) {
       const double measured = static_cast<double>(scan.raw.at(axis)) * rad_s_per_count_;
       rate += part * measured;
       const bool is_at_end =
-          std::abs(measured) >= full_scale || std::abs(scan.raw.at(axis)) >= kLargest;
+          std::abs(measured) >= full_scale || std::abs(scan.raw.at(axis)) >= largest;
       is_saturated = is_saturated || (part != 0.0 && is_at_end);
     }
     sample.rate.at(row) = core::rad_per_s(static_cast<float>(rate));

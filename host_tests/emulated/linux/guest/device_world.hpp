@@ -76,7 +76,10 @@ class DeviceWorld {
 
   void show_data_ready() {
     if (is_data_ready_broken_) return;
-    if (chip_->take_edge()) wires_.drive(kDataReadyLine, true);
+    if (chip_->take_edge()) {
+      wires_.drive(kDataReadyLine, false);  // where the line rises, it was low
+      wires_.drive(kDataReadyLine, true);
+    }
     wires_.drive(kDataReadyLine, chip_->is_data_ready());
   }
 

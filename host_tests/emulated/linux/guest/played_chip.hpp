@@ -9,13 +9,9 @@
 #include <span>
 
 #include "hal/linux/clock.hpp"
-#include "hal/sim/adxrs453.hpp"
-#include "hal/sim/bmi088.hpp"
 #include "hal/sim/buses.hpp"
+#include "hal/sim/chips.hpp"
 #include "hal/sim/clock.hpp"
-#include "hal/sim/icm42688.hpp"
-#include "hal/sim/lsm6dso.hpp"
-#include "hal/sim/mpu6500.hpp"
 #include "host_tests/emulated/linux/kernel/zerorate_bus.h"
 
 namespace zerorate::emulated {
@@ -95,7 +91,7 @@ class Wired final : public PlayedChip {
   Wiring wiring_;
 };
 
-/// Chips with registers on SPI and on I2C, and with frames of 32 bits on SPI.
+/// Chips with registers on SPI and on I2C, with frames of 32 bits, and with words of 16 on SPI.
 template <class Chip>
 std::unique_ptr<PlayedChip> on_spi() {
   return std::make_unique<Wired<Chip, hal::sim::SimulatedSpiDevice<Chip>>>();
@@ -107,6 +103,11 @@ std::unique_ptr<PlayedChip> on_i2c() {
 template <class Chip>
 std::unique_ptr<PlayedChip> on_frames() {
   return std::make_unique<Wired<Chip, hal::sim::SimulatedFrameSpi<Chip>>>();
+}
+
+template <class Chip>
+std::unique_ptr<PlayedChip> on_words() {
+  return std::make_unique<Wired<Chip, hal::sim::SimulatedWordSpi<Chip>>>();
 }
 
 }  // namespace zerorate::emulated

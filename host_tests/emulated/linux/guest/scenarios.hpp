@@ -46,7 +46,10 @@ void break_the_system(DeviceWorld& world, Verdict& verdict);
 
 /// Drivers of the kernel in the place of ours, read through IIO; so long with each.
 /// @param is_whole  whether the host is quiet, so that stamps count and few polls are late, and the
-/// chips' relatives are read too
+/// chips' relatives are read too, a third as long
 void compare_kernel_drivers(DeviceWorld& world, Verdict& verdict, double seconds, bool is_whole);
+
+/// The relatives alone, on a quiet host.
+void compare_kernel_drivers_of_relatives(DeviceWorld& world, Verdict& verdict, double seconds);
 
 }  // namespace zerorate::emulated

@@ -1,9 +1,9 @@
 // The world of the emulated node, the same in every run.
 //
-// usage: zerorate_world node|drivers|drivers_on_busy_host SECONDS
+// usage: zerorate_world node|drivers|drivers_on_busy_host|relatives SECONDS
 // Goes through the scenarios of the node, the undisturbed one for so long, or compares the drivers
 // of the kernel with ours, each for so long; on a busy host without the stamps and the chips'
-// relatives. Prints one line a finding and a last line "WORLD n passed, m failed".
+// relatives, or these alone. Prints one line a finding and a last line "WORLD n passed, m failed".
 
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +18,9 @@ int main(int argc, char** argv) {
   DeviceWorld world;
   Verdict verdict;
   const std::string_view what = argv[1];
-  if (what.starts_with("drivers")) {
+  if (what == "relatives") {
+    compare_kernel_drivers_of_relatives(world, verdict, seconds);
+  } else if (what.starts_with("drivers")) {
     compare_kernel_drivers(world, verdict, seconds, what == "drivers");
   } else {
     drive_undisturbed(world, verdict, seconds);

@@ -230,6 +230,14 @@ static struct device_node *node_of(const char *name)
 	return of_find_compatible_node(NULL, NULL, name);
 }
 
+/* The core takes the name of a device from its node, without the vendor. */
+static const char *without_vendor(const char *name)
+{
+	const char *comma = strchr(name, ',');
+
+	return comma ? comma + 1 : name;
+}
+
 static int add_spi_chip(const char *name, int irq)
 {
 	struct spi_device *chip = spi_alloc_device(controller);
@@ -240,7 +248,7 @@ static int add_spi_chip(const char *name, int irq)
 	chip->max_speed_hz = 10000000;
 	chip->irq = irq; /* with a node, that of the node is taken */
 	chip->dev.of_node = node_of(name);
-	strscpy(chip->modalias, name, sizeof(chip->modalias));
+	strscpy(chip->modalias, without_vendor(name), sizeof(chip->modalias));
 	error = spi_add_device(chip);
 	if (error) {
 		of_node_put(chip->dev.of_node);
@@ -256,7 +264,7 @@ static int add_i2c_chip(const char *name, unsigned short address, int irq)
 	struct i2c_board_info info = { .addr = address, .irq = irq };
 	struct i2c_client *client;
 
-	strscpy(info.type, name, sizeof(info.type));
+	strscpy(info.type, without_vendor(name), sizeof(info.type));
 	info.of_node = node_of(name);
 	client = i2c_new_client_device(&adapter, &info);
 	of_node_put(info.of_node);
@@ -278,13 +286,13 @@ static void remove_chip(void)
 /* Another device in the place of the one before; its driver asks for the chip before this returns. */
 static int set_chip(const char *text, const struct kernel_param *param)
 {
-	char kind[5] = "", name[I2C_NAME_SIZE] = "";
+	char kind[5] = "", name[2 * I2C_NAME_SIZE] = "";
 	unsigned int address = 0;
 	int line = -1, irq = 0;
 
 	if (!controller)
 		return -ENODEV;
-	if (sscanf(text, "%4s %19s %x %d", kind, name, &address, &line) < 1)
+	if (sscanf(text, "%4s %39s %x %d", kind, name, &address, &line) < 1)
 		return -EINVAL;
 	if (line >= 0)
 		irq = zerorate_lines_irq(line);

@@ -89,6 +89,20 @@ TEST_F(SimulatedBmi160Test, DataReadyFallsWhenTheDataAreRead) {
   EXPECT_EQ(chip_.read_register(0x1B), 0x11);
 }
 
+// The kernel's driver runs both sensors and reads one.
+TEST_F(SimulatedBmi160Test, Int1TellsOfEachSampleUnreadToo) {
+  power_up();
+  chip_.write_register(0x51, 0x10);
+  chip_.write_register(0x53, 0x0A);
+  chip_.write_register(0x56, 0x80);
+  for (int sample = 0; sample < 3; ++sample) {
+    measure_x(1.0F);
+    EXPECT_TRUE(chip_.interrupt().take_edge().has_value()) << sample;
+  }
+  (void)read_word(0x0C);
+  EXPECT_FALSE(chip_.interrupt().level());
+}
+
 TEST_F(SimulatedBmi160Test, FifoHasTheGyroInFrontAndDropsTheOldest) {
   power_up();
   chip_.write_register(0x47, 0xC0);
