@@ -71,7 +71,7 @@
   (((20 + (4 * ZERORATE_AXES) + ZERORATE_TICK_INPUT_BYTES + 7) / 8) * 8)
 /** Bytes of an instance; what is inside is checked against it when the library is compiled. */
 #define ZERORATE_INSTANCE_BYTES                                                                   \
-  (896 + (238 * ZERORATE_AXES) + ZERORATE_INPUT_BYTES + (3 * ZERORATE_SPAN_BYTES) +               \
+  (904 + (238 * ZERORATE_AXES) + ZERORATE_INPUT_BYTES + (3 * ZERORATE_SPAN_BYTES) +               \
    (17 * ZERORATE_DECAYING_MODES) + (18 * ZERORATE_ROTATING_MODES) + (12 * ZERORATE_DRIFTS) +     \
    (2 * ZERORATE_DECAYING_MODES * (ZERORATE_DECAYING_MODES + 1)) +                                \
    (ZERORATE_HELD_TICKS * ZERORATE_HELD_TICK_BYTES) +                                             \
