@@ -144,9 +144,10 @@ std::vector<float> scale_factor_errors(const SensorModel& model) {
 /// Nothing where it is what C makes of zeros.
 std::string scale_of_temperature(const core::MotionModel& motion) {
   const core::MotionModel silent{};
+  constexpr float kNone = 1e-12F;  // zero is what is usual
   std::string fields;
   if (motion.scale_factor_per_k != silent.scale_factor_per_k) {
-    fields += field("scale_factor_sigma_per_k", motion.scale_factor_per_k);
+    fields += field("scale_factor_sigma_per_k", std::max(motion.scale_factor_per_k, kNone));
   }
   if (motion.scale_factor_at_k != silent.scale_factor_at_k) {
     fields += field("scale_factor_at_k", motion.scale_factor_at_k);

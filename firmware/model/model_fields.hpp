@@ -211,7 +211,7 @@ void visit_fields(auto& visitor, MaybeConst<ScaleFactor> auto& scale_factor) {
   visitor.number("sigma_percent", sigma, FileUnit::percent, kTolerance, Presence::required);
   visitor.number("asymmetry_percent", asymmetry_sigma, FileUnit::percent, kTolerance,
                  Presence::optional);
-  visitor.number("temperature_percent_per_degc", sigma_per_k, FileUnit::percent, kPositive,
+  visitor.number("temperature_percent_per_degc", sigma_per_k, FileUnit::percent, kTolerance,
                  Presence::optional);
   visitor.number("reference_degc", reference_degc, FileUnit::si, kTemperature, Presence::optional);
   visitor.axes("error_percent", error, FileUnit::percent, kScaleError);

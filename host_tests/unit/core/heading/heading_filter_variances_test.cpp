@@ -45,7 +45,7 @@ float variance_learnt(float true_rad_s, int drives, std::uint64_t seed) {
   return filter.state().between_drives_rad2_s2;
 }
 
-TEST(HeadingFilterVariances, LearnsHowMuchTheBiasOfDrivesDiffers) {
+TEST(HeadingVariances, LearnsHowMuchTheBiasDiffersFromDriveToDrive) {
   for (const float dps : {0.002F, 0.004F, 0.006F}) {
     const float true_rad_s = dps * kRadPerDeg;
     // The deviation of a variance of 32 drives is a quarter of it.
@@ -55,13 +55,13 @@ TEST(HeadingFilterVariances, LearnsHowMuchTheBiasOfDrivesDiffers) {
   }
 }
 
-TEST(HeadingFilterVariances, LearnsThatTheBiasDoesNotDiffer) {
+TEST(HeadingVariances, LearnsFromTenDrivesThatTheBiasDoesNotDiffer) {
   const float guessed_rad_s = 0.004F * kRadPerDeg;
   // A reference errs by 0.05 deg, in 600 s by 1.2e-4 deg/s.
   EXPECT_LT(variance_learnt(0.0F, 10, 12), 0.01F * guessed_rad_s * guessed_rad_s);
 }
 
-TEST(HeadingFilterVariances, HoldsTheBiasOfThisDrive) {
+TEST(HeadingVariances, HoldsTheBiasOfThisDriveInTheVarianceOfATurn) {
   HeadingFilter::Params params = kParams;
   params.between_drives_rad_s = 0.004F * kRadPerDeg;
   HeadingFilter filter{params};
@@ -81,7 +81,7 @@ TEST(HeadingFilterVariances, HoldsTheBiasOfThisDrive) {
   EXPECT_NEAR(filter.bias_variance_rad2_s2(predicted), of_rate, 1e-3F * of_rate);
 }
 
-TEST(HeadingFilterVariances, IsSurerOfATurnInWhichReferencesCame) {
+TEST(HeadingVariances, IsSurerOfATurnInWhichReferencesCame) {
   HeadingFilter filter = filter_of_honest_references(
       {.offset_rad_s = 0.0F, .between_drives_rad_s = 0.004F * kRadPerDeg});
   filter.depart(kBiasVariance);
@@ -96,7 +96,7 @@ TEST(HeadingFilterVariances, IsSurerOfATurnInWhichReferencesCame) {
   EXPECT_LT(filter.driven_variance_rad2(whole), 0.3F * filter.turn_variance_rad2(whole));
 }
 
-TEST(HeadingFilterVariances, TakesReferencesOnOneSlopeForOne) {
+TEST(HeadingVariances, TakesReferencesOnOneSlopeForOne) {
   constexpr float kSlope_rad2 = kVariance;
   HeadingFilter::Params params = kParams;
   params.slope_variance_rad2 = kSlope_rad2;
@@ -115,7 +115,7 @@ TEST(HeadingFilterVariances, TakesReferencesOnOneSlopeForOne) {
   EXPECT_NEAR(variance(), 0.5F * kSlope_rad2, 0.1F * kSlope_rad2);
 }
 
-TEST(HeadingFilterVariances, HoldsTheSlopesAtBothEndsOfATurn) {
+TEST(HeadingVariances, HoldsTheSlopesAtBothEndsOfATurn) {
   HeadingFilter::Params params = kParams;
   params.slope_variance_rad2 = kVariance;
   const HeadingFilter filter{params};

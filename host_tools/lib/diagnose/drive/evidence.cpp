@@ -281,6 +281,7 @@ DriveRecord read_drive_record(const recording::Input& input, const truth::Track&
   if (!model.scale_factor) model.scale_factor.emplace();
   model.scale_factor->sigma = 0.0;
   model.scale_factor->asymmetry_sigma = 0.0;
+  model.scale_factor->sigma_per_k = 0.0;
   model.mounting.reset();
   const BiasProcess process{model};
   std::vector<TraceFinding> findings = find_in_trace(read_trace(input, given));
