@@ -65,7 +65,10 @@ inline TurningNode::Params turning_params(double tolerance, int hypotheses = mod
   model::SensorModel sensor = model::find_model("lsm6dso");
   sensor.scale_factor = model::ScaleFactor{.sigma = tolerance};
   sensor.learning = model::Learning{.hypotheses = hypotheses};
-  if (tilt_rad > 0.0) sensor.mounting = model::Mounting{.tilt_sigma_rad = tilt_rad};
+  // Its roads are level.
+  if (tilt_rad > 0.0) {
+    sensor.mounting = model::Mounting{.tilt_sigma_rad = tilt_rad, .slope_sigma = 0.0};
+  }
   const core::Duration period = core::Duration::milliseconds(50);
   const core::Duration tick = core::Duration::milliseconds(500);
   return {.model = model::make_node_model<kTurningShape>(sensor, period, tick)};
