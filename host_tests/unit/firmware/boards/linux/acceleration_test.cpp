@@ -122,8 +122,7 @@ TEST(ChipsWithAcceleration, AreMadeInEveryRange) {
 /// Samples of half a second of the simulated vehicle.
 std::vector<drivers::GyroSample> samples_of_vehicle(const std::string& lines) {
   SimulatedVehicle vehicle{parse_configuration(
-      "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"simulated\"\ntime_factor = 100\n" + lines,
-      "z.toml")};
+      "schema = \"zerorate.daemon/1\"\n[gyro]\nchip = \"simulated\"\n" + lines, "z.toml")};
   std::vector<drivers::GyroSample> samples;
   (void)vehicle.gyro().start(vehicle.now());
   while (samples.size() < 50) {
