@@ -16,7 +16,7 @@ ZERORATE = sys.argv.pop(1)
 
 
 def run(*arguments, folder=None):
-    return subprocess.run([ZERORATE, *arguments], cwd=folder, capture_output=True, text=True, timeout=100, check=False)
+    return subprocess.run([ZERORATE, *arguments], cwd=folder, capture_output=True, text=True, timeout=240, check=False)
 
 
 def axes_of(text):
