@@ -29,8 +29,8 @@ import tempfile
 
 FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools")
 HOSTED = re.compile(r"(host_tools/|firmware/model|hal/(sim|testing|linux)).*\.hpp$")
-# Files that are read together.
-TOGETHER = re.compile(r"host_tools/.*\.cpp$|.*\.hpp$")
+# Files that are read together. Headers of boards are not: some stand for each other, with the same names.
+TOGETHER = re.compile(r"host_tools/.*\.cpp$|(?!firmware/boards/).*\.hpp$")
 TARGET = re.compile(r" -o \S*?CMakeFiles/([^/]+)\.dir/")
 # Files that CMake makes: their flags are none to borrow.
 GENERATED = re.compile(r"/cmake_pch\.hxx\.cxx$|_verify_interface_header_sets/")
@@ -152,7 +152,8 @@ class Tidy:
     def check(self, files):
         """(whether the files were remembered as clean, what clang-tidy finds in them: empty where nothing)."""
         folder = os.path.dirname(files[0])
-        flags = self._flags.of(files[0]) + EXTRA_FLAGS + (HEADER_FLAGS if files[0].endswith(".hpp") else [])
+        is_header_of_many = len(files) > 1 and files[0].endswith(".hpp")
+        flags = self._flags.of(files[0]) + EXTRA_FLAGS + (HEADER_FLAGS if is_header_of_many else [])
         configuration = [content_digest(above / ".clang-tidy") for above in (self._root / files[0]).parents]
         key = digest(*files, self._version, *configuration,
                      *(flag.replace(str(self._root), "") for flag in flags))
