@@ -47,7 +47,7 @@ class Learning(unittest.TestCase):
         cls.model.write_text(MODEL, encoding="utf-8")
 
     def zerorate(self, *arguments):
-        return subprocess.run([ZERORATE, *map(str, arguments)], capture_output=True, text=True, timeout=100, check=False)
+        return subprocess.run([ZERORATE, *map(str, arguments)], capture_output=True, text=True, timeout=240, check=False)
 
     def evaluate(self, *options):
         return self.zerorate("evaluate", "drives", *self.recordings, "--schedules", "30/60", "--seeds", 1, *options)
