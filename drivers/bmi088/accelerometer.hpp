@@ -45,7 +45,7 @@ class AccelerometerDie {
       : bus_(bus),
         scale_{.lsb = acceleration_lsb(range)},
         configuration_{{{
-            // Ones and zeros of the first show a line that is stuck either way.
+            // A stuck line changes the ones or the zeros of the first register.
             configure(kAccConf, 0xFF, encode_acc_conf(rate)),
             configure(kAccRange, bits::kAccRangeRange, static_cast<std::uint8_t>(range)),
             configure(kAccFifoConfig0, bits::kAccFifoConfig0Mode, 0),

@@ -141,7 +141,7 @@ class Bmi088 {
     namespace b = bmi088::bits;
     const bool is_fifo = settings.mode == Mode::fifo;
     return ConfigurationTable<kEntries>{{{
-        // The ones and zeros of the first two show a line that is stuck either way.
+        // A stuck line changes the ones or the zeros of the first two registers.
         configure(kFifoWmEnable, b::kFifoWmEnableBoth, is_fifo ? b::kFifoWmOn : b::kFifoWmOff),
         configure(kGyroLpm1, b::kGyroLpm1Suspend, 0),
         configure(kGyroRange, b::kGyroRangeRange, static_cast<std::uint8_t>(settings.full_scale)),

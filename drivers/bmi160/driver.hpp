@@ -156,7 +156,7 @@ class Bmi160 {
     constexpr std::uint8_t kContent =
         b::kFifoConfig1Gyr | (kHasAccelerometer ? b::kFifoConfig1Acc : 0U);
     return {{
-        // Its ones and zeros show a line that is stuck either way.
+        // A stuck line changes the ones or the zeros of this register.
         configure(kFifoDowns, 0xFF, b::kFifoDownsNone),
         configure(kGyrConf, b::kGyrConfAll, encode_conf(settings.rate)),
         configure(kGyrRange, b::kGyrRangeAll, static_cast<std::uint8_t>(settings.full_scale)),

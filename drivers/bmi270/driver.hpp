@@ -184,7 +184,7 @@ class Bmi270 {
     constexpr std::uint8_t kPower =
         b::kPwrCtrlGyr | b::kPwrCtrlTemp | (kHasAccelerometer ? b::kPwrCtrlAcc : 0U);
     return {{
-        // Its ones and zeros show a line that is stuck either way.
+        // A stuck line changes the ones or the zeros of this register.
         configure(kPwrConf, b::kPwrConfAll, b::kPwrConfAwake),
         configure(kFifoDowns, 0xFF, b::kFifoDownsNone),
         configure(

@@ -39,7 +39,7 @@ constexpr std::array<ConfigurationEntry, kGyroEntries> configuration_of_gyro(
   const unsigned fifo_en = is_fifo ? b::kUserCtrlFifoEn : 0U;
   const unsigned interface = is_spi ? b::kUserCtrlI2cIfDis : 0U;
   return {{
-      // Its ones and zeros show a line that is stuck either way.
+      // A stuck line changes the ones or the zeros of this register.
       configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1AutoClock),
       configure(kLpConfig, b::kLpConfigCycles, 0),
       configure(kPwrMgmt2, b::kPwrMgmt2Standby, has_accelerometer ? 0 : b::kPwrMgmt2AccelOff),

@@ -63,8 +63,8 @@ constexpr std::array<ConfigurationEntry, 13> configuration_of_gyro(const Chosen&
       is_fifo ? b::kFifoConfig1WmGtTh | b::kFifoConfig1TempEn | kSensors : std::uint8_t{0};
   return {{
       configure(kRegBankSel, b::kRegBankSelBank, 0),
-      // Count in bytes, not held at the last value, big-endian: its ones and zeros show a line
-      // that is stuck either way.
+      // Count in bytes, not held at the last value, big-endian. A stuck line changes the ones or
+      // the zeros of this register.
       configure(kIntfConfig0, b::kIntfConfig0Data,
                 b::kIntfConfig0FifoCountBigEndian | b::kIntfConfig0SensorDataBigEndian),
       // Adaptive full-scale off: with it, chips were seen to stall for 1 to 2 ms above 100 deg/s.

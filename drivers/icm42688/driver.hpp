@@ -83,8 +83,8 @@ struct Map {
 
   /// Data-ready falls when it is read. So it is read behind the data, in one burst, where it also
   /// shows that the line is not stuck. A conversion may fall into the burst: a sample counts when a
-  /// second burst repeats it, and is dropped when it changed without data-ready. An acceleration
-  /// that the second burst does not repeat is none.
+  /// second burst repeats it, and is dropped when it changed without data-ready. The acceleration
+  /// is dropped unless the second burst repeats it.
   template <bool kHasAccelerometer, RegisterBus Bus>
   static core::Result<RawOutputs, DriverError> read_outputs(Bus& bus) {
     constexpr int kMostBursts = 4;  // a slow bus may meet a conversion in each of them

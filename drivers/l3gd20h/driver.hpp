@@ -142,7 +142,7 @@ class L3gd20h {
     ZERORATE_ASSERT(settings.fifo_watermark <= b::kFifoSrcLevel);
     const bool is_fifo = settings.mode == Mode::fifo;
     const auto range = static_cast<std::uint8_t>(settings.full_scale);
-    // Its ones and zeros show a line that is stuck either way.
+    // A stuck line changes the ones or the zeros of this register.
     const auto interface = configure(kCtrl4, 0xFF, static_cast<std::uint8_t>(b::kCtrl4Bdu | range));
     return ConfigurationTable<kEntries>{{{
         interface,

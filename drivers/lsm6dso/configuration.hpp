@@ -45,7 +45,7 @@ constexpr std::array<ConfigurationEntry, kGyroEntries> configuration_of_gyro(
   const bool has_tags = settings.variant->has_tags;
   const auto batch = static_cast<std::uint8_t>(has_tags ? unsigned{settings.rate} << 4U : 0U);
   const std::uint8_t watermark = has_tags ? settings.fifo_watermark : std::uint8_t{0};
-  // The whole register: its ones and zeros show a line that is stuck either way.
+  // The whole register is compared: a stuck line changes its ones or its zeros.
   const auto interface = configure(kCtrl3C, 0xFF, b::kCtrl3CBdu | b::kCtrl3CIfInc);
   const auto i3c = configure(kCtrl9Xl, b::kCtrl9XlI3cDisable, b::kCtrl9XlI3cDisable);
   const std::uint8_t fifo_mode = is_fifo ? b::kFifoModeContinuous : std::uint8_t{0};

@@ -58,7 +58,8 @@ constexpr std::array<ConfigurationEntry, kGyroEntries> configuration_of_gyro(
   const std::uint8_t standby = has_accelerometer ? std::uint8_t{0} : b::kPwrMgmt2AccelOff;
   const unsigned gyro = variant.is_younger ? b::kFifoEnGyroAndTemperature : b::kFifoEnGyro;
   const auto content = static_cast<std::uint8_t>(gyro | (has_accelerometer ? b::kFifoEnAccel : 0U));
-  // Awake: asleep, it may not take the others. Ones and zeros show a line that is stuck either way.
+  // The chip is woken first: asleep, it may not take the others. A stuck line changes ones or
+  // zeros.
   const auto awake = configure(kPwrMgmt1, 0xFF, b::kPwrMgmt1Pll);
   const auto i2c = configure(kI2cIf, b::kI2cIfDis, is_spi ? b::kI2cIfDis : std::uint8_t{0});
   return {{

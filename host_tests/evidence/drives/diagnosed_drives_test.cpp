@@ -1,6 +1,6 @@
 // Hours of drives between true stops with one error that rest does not show: the diagnosis names it
-// alone, with its size inside the interval, and names nothing where there is nothing. Prints a row
-// of a table for each kind.
+// alone, with its size inside the interval, and names nothing where there is nothing. Each kind
+// prints its row of a table.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -140,7 +140,7 @@ TEST_P(HourOfDrives, IsDiagnosed) {
 }
 
 std::string name_of(const ::testing::TestParamInfo<Hidden>& kind) {
-  const std::string& name = kind.param.name.empty() ? "nothing" : kind.param.name;
+  const std::string name = kind.param.name.empty() ? "nothing" : kind.param.name;
   return fmt::format("{}_{}", name, std::lround(1000.0 * kind.param.size));
 }
 

@@ -225,8 +225,8 @@ TEST_P(BiasOfDrives, IsInTheInterval) {
     EXPECT_GE(found.coverage, least_coverage - 2.0 * kCoverageError);
   }
 }
-// A variance that ten drives have shown is known to 45 %, and at stops it looks like references
-// that state too little: of the largest one fewer drives lie inside.
+// Ten drives determine the variance between them to 45 %. At stops it is taken for noise of the
+// references in part, so that fewer drives lie inside where the difference is largest.
 INSTANTIATE_TEST_SUITE_P(Of, BiasOfDrives,
                          ::testing::Values(Differing{0.0025, 0.92}, Differing{0.005, 0.87}));
 
