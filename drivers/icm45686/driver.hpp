@@ -89,7 +89,7 @@ struct Map {
     constexpr int kMostReadings = 3;  // a slow bus may meet a conversion in each of them
     auto status = read_status(bus);
     RawOutputs outputs;
-    for (int i = 0; i < kMostReadings && status && (*status & bits::kInt1Drdy) != 0; ++i) {
+    for (int i = 0; i < kMostReadings && status && (status->int1 & bits::kInt1Drdy) != 0; ++i) {
       if (const auto done = read_data(bus, outputs); !done) return core::Unexpected{done.error()};
       status = read_status(bus);
     }
@@ -112,11 +112,10 @@ struct Map {
     }
     const FifoCount count = decode_fifo_count(level[0], level[1], kPacketBytes);
     if (!count.is_plausible) return corrupt(kFifoCount0.address);
-    bool is_flushing = false;
-    const auto status = read_status(bus, &is_flushing);
+    const auto status = read_status(bus);
     if (!status) return core::Unexpected{status.error()};
-    if (is_flushing) return PacketFifoState{};
-    const bool was_full = (*status & bits::kInt1FifoFull) != 0;
+    if (status->is_flushing) return PacketFifoState{};
+    const bool was_full = (status->int1 & bits::kInt1FifoFull) != 0;
     return PacketFifoState{.packets = count.packets,
                            .is_full = was_full || count.is_full,
                            .temperature = decode_int16(bytes[0], bytes[1])};
@@ -136,18 +135,20 @@ struct Map {
     return refused(DriverErrorCode::corrupt_data, address);
   }
 
-  /// INT1_STATUS0, which falls when it is read. FIFO_CONFIG2 ends the burst and shows whether the
-  /// line lives.
+  struct Status {
+    std::uint8_t int1;  ///< INT1_STATUS0, which falls when it is read
+    bool is_flushing;   ///< the FIFO is being emptied
+  };
+
+  /// FIFO_CONFIG2 ends the burst and shows whether the line lives.
   template <RegisterBus Bus>
-  static core::Result<std::uint8_t, DriverError> read_status(Bus& bus,
-                                                             bool* is_flushing = nullptr) {
+  static core::Result<Status, DriverError> read_status(Bus& bus) {
     std::array<std::uint8_t, kFifoConfig2.address - kInt1Status0.address + 1U> bytes{};
     if (const auto done = read_registers(bus, kInt1Status0, bytes); !done) {
       return core::Unexpected{done.error()};
     }
     if (!is_fifo_config2_plausible(bytes.back())) return corrupt(kFifoConfig2.address);
-    if (is_flushing != nullptr) *is_flushing = (bytes.back() & bits::kFifoConfig2Flush) != 0;
-    return bytes[0];
+    return Status{bytes[0], (bytes.back() & bits::kFifoConfig2Flush) != 0};
   }
 
   /// Accelerometer, gyro, temperature, time; PWR_MGMT0 ends the burst and shows that the line

@@ -49,6 +49,16 @@ class SimulatedAccelerometer {
     return counts;
   }
 
+  /// Counts of convert_force(); -32768 on each axis where the accelerometer is off or the
+  /// conversion is lost.
+  [[nodiscard]] Counts convert_force_if(bool is_on, double g_per_lsb, core::Duration age,
+                                        core::Duration turn_on_time, double lowest,
+                                        double highest) {
+    constexpr std::int16_t kNoSample = -32768;
+    if (!is_on || take_loss()) return {kNoSample, kNoSample, kNoSample};
+    return convert_force(g_per_lsb, age, turn_on_time, lowest, highest);
+  }
+
   /// True if this conversion is one of those that are lost.
   [[nodiscard]] bool take_loss() { return lost_ > 0 && lost_-- > 0; }
 

@@ -81,7 +81,6 @@ void SimulatedIcm42688::reset_registers() {
   registers_[int_status] = 0x10;  // RESET_DONE
   registers_[intf_config0] = 0x30;
   registers_[0x4D] = 0x91;
-  registers_[0x4D] = 0x91;
   registers_[gyro_config0] = 0x06;
   registers_[0x50] = 0x06;
   registers_[0x51] = 0x16;
@@ -135,13 +134,9 @@ void SimulatedIcm42688::measure(const std::array<core::AngularRate, 3>& rate,
 }
 
 void SimulatedIcm42688::measure_acceleration() {
-  constexpr std::int16_t kNoSample = -32768;
-  Counts counts{kNoSample, kNoSample, kNoSample};
-  if (is_accelerometer_powered() && !take_loss()) {
-    counts = convert_force(g_per_lsb(registers_[accel_config0]),
-                           clock_->now() - accelerometer_powered_at_, kAccelerometerTurnOn, -32766,
-                           32767);
-  }
+  const Counts counts = convert_force_if(
+      is_accelerometer_powered(), g_per_lsb(registers_[accel_config0]),
+      clock_->now() - accelerometer_powered_at_, kAccelerometerTurnOn, -32766, 32767);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     set_word(static_cast<std::uint8_t>(accel_data_x1 + 2 * axis), counts[axis]);
   }
@@ -162,13 +157,12 @@ void SimulatedIcm42688::push_packet(core::Temperature temperature) {
     if (mode != kStream) return;
     fifo_.drop_oldest();
   }
-  PacketFifo::Packet packet{static_cast<std::uint8_t>(has_acceleration ? 0x60 : 0x20)};
-  if (has_acceleration) PacketFifo::append(packet, registers_, accel_data_x1);
-  PacketFifo::append(packet, registers_, gyro_data_x1);
+  std::optional<PacketFifo::Axes> acceleration;
+  if (has_acceleration) acceleration = PacketFifo::axes_at(registers_, accel_data_x1);
   const double counts = (static_cast<double>(temperature.degc()) - 25.0) * 2.07;
-  packet.push_back(low_byte(to_counts(counts, -128, 127)));
-  packet.resize(size);  // two bytes of a time stamp, which is not modelled
-  fifo_.push(packet);
+  fifo_.push(PacketFifo::sample(has_acceleration ? 0x60 : 0x20, acceleration,
+                                PacketFifo::axes_at(registers_, gyro_data_x1),
+                                low_byte(to_counts(counts, -128, 127))));
   if (fifo_.bytes() == kFifoBytes) registers_[int_status] |= 0x02U;         // FIFO_FULL
   if (fifo_.bytes() >= watermark_bytes()) registers_[int_status] |= 0x04U;  // THS
 }

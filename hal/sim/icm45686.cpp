@@ -154,13 +154,9 @@ void SimulatedIcm45686::measure(const std::array<core::AngularRate, 3>& rate,
 }
 
 void SimulatedIcm45686::measure_acceleration() {
-  constexpr std::int16_t kNoSample = -32768;
-  Counts counts{kNoSample, kNoSample, kNoSample};
-  if (is_accelerometer_powered() && !take_loss()) {
-    counts = convert_force(g_per_lsb(registers_[accel_config0]),
-                           clock_->now() - accelerometer_powered_at_, kAccelerometerTurnOn, -32766,
-                           32767);
-  }
+  const Counts counts = convert_force_if(
+      is_accelerometer_powered(), g_per_lsb(registers_[accel_config0]),
+      clock_->now() - accelerometer_powered_at_, kAccelerometerTurnOn, -32766, 32767);
   for (std::size_t axis = 0; axis < 3; ++axis) set_word(accel_data_x + 2 * axis, counts.at(axis));
 }
 
@@ -185,13 +181,12 @@ void SimulatedIcm45686::push_packet(core::Temperature temperature) {
   if (fifo_.bytes() + size <= fifo_bytes()) {
     const bool has_time = (registers_[fifo_config4] & 0x02U) != 0;
     const unsigned header = (has_acceleration ? 0x60U : 0x20U) | (has_time ? 0x08U : 0U);
-    PacketFifo::Packet packet{static_cast<std::uint8_t>(header)};
-    if (has_acceleration) PacketFifo::append(packet, registers_, accel_data_x);
-    PacketFifo::append(packet, registers_, gyro_data_x);
+    std::optional<PacketFifo::Axes> acceleration;
+    if (has_acceleration) acceleration = PacketFifo::axes_at(registers_, accel_data_x);
     const double counts = (static_cast<double>(temperature.degc()) - 25.0) * 2.0;
-    packet.push_back(low_byte(to_counts(counts, -127, 127)));
-    packet.resize(size);  // two bytes of a time stamp, which is not modelled
-    fifo_.push(packet);
+    fifo_.push(PacketFifo::sample(static_cast<std::uint8_t>(header), acceleration,
+                                  PacketFifo::axes_at(registers_, gyro_data_x),
+                                  low_byte(to_counts(counts, -127, 127))));
   }
   const bool is_full = fifo_.bytes() + size > fifo_bytes();
   const unsigned reached = (is_full ? 0x01U : 0U) | (fifo_.packets() >= watermark() ? 0x02U : 0U);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,10 +46,22 @@ class PacketFifo {
     return byte;
   }
 
-  /// The six bytes of three words, as registers hold them, behind what is in the packet.
-  static void append(Packet& packet, std::span<const std::uint8_t> registers, std::size_t first) {
-    const auto words = registers.subspan(first, 6);
-    packet.insert(packet.end(), words.begin(), words.end());
+  using Axes = std::span<const std::uint8_t, 6>;
+
+  /// Three words, as registers hold them.
+  static Axes axes_at(std::span<const std::uint8_t> registers, std::size_t first) {
+    return registers.subspan(first).first<6>();
+  }
+  /// Eight bytes with the rates alone, sixteen with the acceleration in front of them. The last two
+  /// of these are a time stamp, which is not modelled.
+  static Packet sample(std::uint8_t header, const std::optional<Axes>& acceleration, Axes rates,
+                       std::uint8_t temperature) {
+    Packet packet{header};
+    if (acceleration) packet.insert(packet.end(), acceleration->begin(), acceleration->end());
+    packet.insert(packet.end(), rates.begin(), rates.end());
+    packet.push_back(temperature);
+    packet.resize(acceleration ? 16 : 8);
+    return packet;
   }
 
  private:

@@ -55,9 +55,6 @@ class AnyRig {
   /// The driver: one call of start() now; then as often as it is not ready, for a second; and the
   /// power-up time besides.
   virtual Done start_once() = 0;
-  static bool is_waiting(const Done& started) {
-    return !started && started.error().code == drivers::DriverErrorCode::not_ready;
-  }
   virtual Done start() = 0;
   virtual Done start_and_settle() = 0;
   virtual Count read(core::Instant now, std::span<core::GyroSample> out) = 0;
@@ -70,8 +67,8 @@ class AnyRig {
   virtual void cycle_power() = 0;
   [[nodiscard]] virtual bool is_powered() const = 0;
   [[nodiscard]] virtual std::size_t reserved_writes() const = 0;
-  /// Where the chip has such a pin.
-  virtual hal::sim::DataReadyPin& interrupt() = 0;
+  /// Null where the chip has no such pin.
+  virtual hal::sim::DataReadyPin* interrupt() = 0;
   /// True if the driver takes a chip whose identity is off by these bits for a relative of it.
   virtual bool is_relative(std::uint8_t flipped_bits) = 0;
   /// Where the chip has an accelerometer.

@@ -59,9 +59,9 @@ TEST_P(GyroFifo, KeepsWhatDoesNotFitIntoTheBuffer) {
 TEST_P(GyroFifo, RaisesThePinAtTheWatermark) {
   if (!GetParam().has_watermark) GTEST_SKIP() << "the chip has no watermark";
   sample(2);
-  EXPECT_FALSE(rig_->interrupt().take_edge());
+  EXPECT_FALSE(rig_->interrupt()->take_edge());
   sample(1);
-  EXPECT_EQ(rig_->interrupt().take_edge(), rig_->clock().now());
+  EXPECT_EQ(rig_->interrupt()->take_edge(), rig_->clock().now());
 }
 
 TEST_P(GyroFifo, ReportsAnOverrunOnceAndGoesOn) {

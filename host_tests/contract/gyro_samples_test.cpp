@@ -146,13 +146,13 @@ TEST_P(GyroSamples, RaiseTheInterruptPinAtTheTimeOfTheConversion) {
     rig->sample(kTurning);
     const core::Instant converted = rig->clock().now();
     rig->clock().advance(core::Duration::microseconds(300));
-    const auto edge = rig->interrupt().take_edge();
+    const auto edge = rig->interrupt()->take_edge();
     ASSERT_TRUE(edge);
     EXPECT_EQ(*edge, converted);
     std::array<GyroSample, 1> out{};
     ASSERT_EQ(rig->read(*edge, out).value_or(0), 1U);
     EXPECT_EQ(out[0].time, converted);
-    EXPECT_EQ(rig->interrupt().level(), !GetParam().reading_releases_pin);
+    EXPECT_EQ(rig->interrupt()->level(), !GetParam().reading_releases_pin);
   }
 }
 

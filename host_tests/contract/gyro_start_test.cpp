@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "host_tests/contract/any_gyro.hpp"
+#include "host_tests/support/gyro_rig.hpp"
 
 namespace zerorate::contract {
 namespace {
@@ -35,9 +36,9 @@ INSTANTIATE_TEST_SUITE_P(Every, GyroStart, ::testing::ValuesIn(all_gyros()), nam
 
 TEST_P(GyroStart, NeedsItsTimeAndThenSucceeds) {
   const auto rig = GetParam().rig();
-  EXPECT_TRUE(AnyRig::is_waiting(rig->start_once()));
+  EXPECT_TRUE(support::is_waiting(rig->start_once()));
   rig->clock().advance(GetParam().start_time * 9 / 10);
-  EXPECT_TRUE(AnyRig::is_waiting(rig->start_once()));
+  EXPECT_TRUE(support::is_waiting(rig->start_once()));
   EXPECT_TRUE(rig->start());
   EXPECT_TRUE(rig->is_powered());
 }

@@ -16,6 +16,10 @@ namespace zerorate::support {
 
 using Rates = std::array<core::AngularRate, 3>;
 
+inline bool is_waiting(const core::Result<void, drivers::DriverError>& started) {
+  return !started && started.error().code == drivers::DriverErrorCode::not_ready;
+}
+
 /// @tparam Wiring names the chip and says how it is attached (simulated_gyros.hpp)
 template <class Wiring>
 struct GyroRig {
@@ -65,10 +69,6 @@ struct GyroRig {
 
   core::Result<std::size_t, drivers::DriverError> read(std::span<core::GyroSample> out) {
     return driver.read(clock.now(), out);
-  }
-
-  static bool is_waiting(const core::Result<void, drivers::DriverError>& started) {
-    return !started && started.error().code == drivers::DriverErrorCode::not_ready;
   }
 
   hal::sim::SimulatedClock clock;

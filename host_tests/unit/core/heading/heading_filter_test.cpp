@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/heading/recent_turn.hpp"
+#include "host_tests/unit/core/heading/known_source.hpp"
 
 namespace zerorate::core {
 namespace {
@@ -23,25 +24,6 @@ using Turn = HeadingFilter::Turn;
 using Verdict = ReferenceVerdict;
 
 constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
-constexpr float kSigma_rad = 0.5F * kRadPerDeg;
-constexpr float kVariance = kSigma_rad * kSigma_rad;
-constexpr float kBiasVariance = 1e-9F;
-constexpr HeadingFilter::Params kParams{
-    .scale_factor = 0.02F, .offset_rad_s = 0.01F * kRadPerDeg, .between_drives_rad_s = 0.0F};
-
-/// Filter whose references have long been aligned.
-HeadingFilter filter_of_known_source(float noise_factor = 9.0F) {
-  HeadingFilter filter{kParams};
-  HeadingFilter::State state = filter.state();
-  state.judge = ReferenceJudge{{.noise_factor = noise_factor, .compared_s = 1000.0F}};
-  filter.restore(state);
-  return filter;
-}
-/// Filter whose factor of the references' noise begins at the stated one.
-HeadingFilter filter_of_honest_references() {
-  return filter_of_known_source(1.0F);
-}
-
 /// Winds of a road, a turn a second: what the gyro measures of it.
 std::vector<float> road(std::size_t seconds, std::uint64_t seed) {
   std::mt19937_64 random{seed};

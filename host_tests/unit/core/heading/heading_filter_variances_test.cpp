@@ -6,25 +6,12 @@
 #include <random>
 
 #include "core/heading/heading_filter.hpp"
+#include "host_tests/unit/core/heading/known_source.hpp"
 
 namespace zerorate::core {
 namespace {
 
 using Verdict = ReferenceVerdict;
-
-constexpr float kVariance = 0.5F * kRadPerDeg * 0.5F * kRadPerDeg;
-constexpr float kBiasVariance = 1e-9F;
-constexpr HeadingFilter::Params kParams{
-    .scale_factor = 0.02F, .offset_rad_s = 0.01F * kRadPerDeg, .between_drives_rad_s = 0.0F};
-
-/// Filter whose references have long been aligned, and state their noise.
-HeadingFilter filter_of_honest_references(const HeadingFilter::Params& params) {
-  HeadingFilter filter{params};
-  HeadingFilter::State state = filter.state();
-  state.judge = ReferenceJudge{{.noise_factor = 1.0F, .compared_s = 1000.0F}};
-  filter.restore(state);
-  return filter;
-}
 
 /// Variance of the bias from drive to drive that a filter has learnt from some drives, which it
 /// guessed to be 4e-3 deg/s squared.

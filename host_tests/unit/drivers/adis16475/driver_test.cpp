@@ -150,7 +150,7 @@ TEST(Adis16475Sample, AfterBrokenClocksIsCorruptOnce) {
 TEST(Adis16475Start, IsRefusedWhileTheChipReportsAFault) {
   Rig rig;
   auto result = rig.driver.start(rig.clock.now());
-  while (rig.is_waiting(result)) {
+  while (support::is_waiting(result)) {
     rig.clock.advance(core::Duration::milliseconds(1));
     rig.chip.fail(0x0040);  // the flash test fails
     result = rig.driver.start(rig.clock.now());

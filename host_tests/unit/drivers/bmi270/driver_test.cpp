@@ -118,23 +118,23 @@ TEST(Bmi270, ConfiguresTheRegistersThatTheDatasheetNames) {
 
 TEST(Bmi270, GivesItsInterfaceTimeToBecomeSpi) {
   Rig rig;
-  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_TRUE(support::is_waiting(rig.driver.start(rig.clock.now())));
   EXPECT_EQ(rig.faults.calls(), 1U) << "a reading, for chip select to rise";
   rig.clock.advance(core::Duration::microseconds(1999));
-  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_TRUE(support::is_waiting(rig.driver.start(rig.clock.now())));
   EXPECT_EQ(rig.faults.calls(), 1U);
   rig.clock.advance(core::Duration::microseconds(1));
-  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_TRUE(support::is_waiting(rig.driver.start(rig.clock.now())));
   EXPECT_EQ(rig.faults.calls(), 3U) << "identity and reset";
   rig.clock.advance(core::Duration::milliseconds(10));
-  EXPECT_TRUE(Rig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_TRUE(support::is_waiting(rig.driver.start(rig.clock.now())));
   EXPECT_EQ(rig.faults.calls(), 4U) << "once more, after the reset";
   EXPECT_TRUE(rig.start());
 }
 
 TEST(Bmi270, AsksForTheIdentityAtOnceOverI2c) {
   I2cRig rig;
-  EXPECT_TRUE(I2cRig::is_waiting(rig.driver.start(rig.clock.now())));
+  EXPECT_TRUE(support::is_waiting(rig.driver.start(rig.clock.now())));
   EXPECT_EQ(rig.faults.calls(), 2U) << "identity and reset";
 }
 

@@ -181,7 +181,7 @@ core::Result<void, DriverError> started_as() {
   Lsm6dso driver{SpiRegisters{bus}, typename Driven::Settings{}};
   auto started = driver.start(rig.clock.now());
   rig.clock.advance(core::Duration::milliseconds(1));
-  return rig.is_waiting(started) ? driver.start(rig.clock.now()) : started;
+  return support::is_waiting(started) ? driver.start(rig.clock.now()) : started;
 }
 
 TEST(Lsm6dsoRelatives, AreNotTakenForAnLsm6dsoNorTheOtherWayRound) {

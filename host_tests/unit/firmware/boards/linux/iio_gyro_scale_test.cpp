@@ -9,16 +9,11 @@
 #include <string>
 
 #include "firmware/boards/linux/chips/iio_gyro.hpp"
+#include "host_tests/unit/firmware/boards/linux/iio_settings.hpp"
 #include "host_tests/unit/firmware/boards/linux/made_iio.hpp"
 
 namespace zerorate::linux_node {
 namespace {
-
-constexpr core::Instant kScaleStart = core::Instant{} + core::Duration::seconds(100);
-
-GyroSettings settings_of_scale() {
-  return {.bus = BusKind::iio, .device = "iio:device0", .rate_hz = 104.0, .full_scale_dps = 250.0};
-}
 
 // bmg160 tells its scales with two or three digits: 250 deg/s seem to be 249.7.
 TEST(IioGyro, TakesTheScaleOfTheDataSheetForOneThatTheDriverRounds) {
@@ -26,14 +21,14 @@ TEST(IioGyro, TakesTheScaleOfTheDataSheetForOneThatTheDriverRounds) {
   rounded["in_anglvel_scale_available"] = "0.001065 0.000532 0.000266 0.000133 0.000066";
   MadeIio made;
   made.add("iio:device0", rounded);
-  GyroSettings bmi088 = settings_of_scale();
+  GyroSettings bmi088 = iio_settings("iio:device0");
   bmi088.chip = "bmi088";
   for (const bool is_known : {true, false}) {
     if (!is_known) bmi088.chip.clear();
     IioGyro gyro{bmi088, made.places()};
-    ASSERT_TRUE(gyro.start(kScaleStart));
+    ASSERT_TRUE(gyro.start(kIioStart));
     EXPECT_NEAR(std::stod(made.get("in_anglvel_scale")), 0.000133, 1e-12);
-    const core::Instant now = kScaleStart + core::Duration::seconds(1);
+    const core::Instant now = kIioStart + core::Duration::seconds(1);
     made.send(now, {16384, 0, 0});
     std::array<drivers::GyroSample, 8> samples{};
     ASSERT_EQ(*gyro.read(now, samples), 1U);
@@ -51,13 +46,13 @@ TEST(IioGyro, ReadsThirtyTwoBitsWhoseScaleHasOneDigit) {
   }
   MadeIio made;
   made.add("iio:device0", wide);
-  GyroSettings adis = settings_of_scale();
+  GyroSettings adis = iio_settings("iio:device0");
   adis.chip = "adis16475-1";
   adis.full_scale_dps = 125.0;
   IioGyro gyro{adis, made.places()};
-  const auto started = gyro.start(kScaleStart);
+  const auto started = gyro.start(kIioStart);
   ASSERT_TRUE(started) << gyro.reason(started.error().code).told;
-  const core::Instant now = kScaleStart + core::Duration::seconds(1);
+  const core::Instant now = kIioStart + core::Duration::seconds(1);
   std::array<std::uint8_t, 24> scan{0x06, 0x40, 0, 0, 0xF9, 0xC0, 0, 0, 0x4E, 0x20};
   const std::int64_t stamp = (now - core::Instant{}).ns();
   std::memcpy(scan.data() + 16, &stamp, sizeof stamp);
@@ -72,7 +67,7 @@ TEST(IioGyro, ReadsThirtyTwoBitsWhoseScaleHasOneDigit) {
 
   adis.chip.clear();
   IioGyro unknown{adis, made.places()};
-  const auto refused = unknown.start(kScaleStart);
+  const auto refused = unknown.start(kIioStart);
   ASSERT_FALSE(refused);
   EXPECT_TRUE(contains(unknown.reason(refused.error().code).told,
                        "in_anglvel_scale: too few digits (is chip the name of the chip?)"));

@@ -11,6 +11,7 @@
 
 #include "hal/linux/sysfs.hpp"
 #include "host_tests/support/folders.hpp"
+#include "host_tests/unit/firmware/boards/linux/iio_settings.hpp"
 #include "host_tests/unit/firmware/boards/linux/made_iio.hpp"
 
 namespace zerorate::linux_node {
@@ -19,33 +20,24 @@ namespace {
 using drivers::DriverErrorCode;
 using drivers::GyroSample;
 
-constexpr core::Instant kStart = core::Instant{} + core::Duration::seconds(100);
 constexpr core::Duration kPeriod = core::Duration::nanoseconds(9'615'385);
 constexpr double kScale = 8.75e-3 * 0.017453292519943295;  // rad/s; the driver gives 0.000152716
-
-GyroSettings settings(const std::string& device, double rate_hz = 104.0) {
-  return {.chip = "lsm6dso",
-          .bus = BusKind::iio,
-          .device = device,
-          .rate_hz = rate_hz,
-          .full_scale_dps = 250.0};
-}
 
 /// A device and its gyro, one second after its start: what the chip sends first is past.
 struct Rig {
   explicit Rig(const Attributes& attributes = buffered(), double rate_hz = 104.0) {
     made.add("iio:device0", attributes);
-    gyro.emplace(settings("iio:device0", rate_hz), made.places());
+    gyro.emplace(iio_settings("iio:device0", rate_hz), made.places());
   }
   std::string start_message() {
-    const auto started = gyro->start(kStart);
+    const auto started = gyro->start(kIioStart);
     return started ? "" : gyro->reason(started.error().code).told;
   }
   core::Result<std::size_t, drivers::DriverError> read() { return gyro->read(now, samples); }
 
   MadeIio made;
   std::optional<IioGyro> gyro;
-  core::Instant now = kStart + core::Duration::seconds(1);
+  core::Instant now = kIioStart + core::Duration::seconds(1);
   std::array<GyroSample, 8> samples{};
 };
 
@@ -88,9 +80,9 @@ TEST(IioGyro, ReadsScansWithTheirStamps) {
 TEST(IioGyro, LeavesOutWhatTheChipSendsWhileItSettles) {
   Rig rig;
   ASSERT_EQ(rig.start_message(), "");
-  for (int i = 1; i <= 33; ++i) rig.made.send(kStart + kPeriod * i, {1, 1, 1});
+  for (int i = 1; i <= 33; ++i) rig.made.send(kIioStart + kPeriod * i, {1, 1, 1});
   ASSERT_EQ(*rig.read(), 2U);  // the 32nd is the first after 300 ms
-  EXPECT_EQ(rig.samples[0].time, kStart + kPeriod * 32);
+  EXPECT_EQ(rig.samples[0].time, kIioStart + kPeriod * 32);
 }
 
 TEST(IioGyro, TakesAScanThatComesInTwoPieces) {
@@ -130,7 +122,7 @@ TEST(IioGyro, RefusesStampsThatRunBackwardsAndTellsSilence) {
   EXPECT_TRUE(contains(rig.gyro->reason(backwards.error().code).told, "run backwards"));
 
   ASSERT_EQ(rig.start_message(), "");
-  rig.now = kStart + core::Duration::milliseconds(1001);
+  rig.now = kIioStart + core::Duration::milliseconds(1001);
   const auto silent = rig.read();
   ASSERT_FALSE(silent);
   EXPECT_EQ(silent.error().bus, hal::BusError::timeout);
@@ -152,12 +144,12 @@ TEST(IioGyro, TurnsTheAxesByTheMountMatrix) {
 TEST(IioGyro, GivesAChipWithoutAThermometerNoTemperature) {
   MadeIio made;
   made.add("iio:device0", polled());
-  GyroSettings bosch = settings("iio:device0", 50.0);
+  GyroSettings bosch = iio_settings("iio:device0", 50.0);
   bosch.chip = "bmi088";
   IioGyro gyro{bosch, made.places()};
-  ASSERT_TRUE(gyro.start(kStart));
+  ASSERT_TRUE(gyro.start(kIioStart));
   std::array<GyroSample, 1> sample{};
-  ASSERT_EQ(*gyro.read(kStart, sample), 1U);
+  ASSERT_EQ(*gyro.read(kIioStart, sample), 1U);
   EXPECT_FALSE(sample[0].has_temperature);
 }
 
@@ -273,7 +265,7 @@ struct FailingRig : Rig {
   FailingRig() {
     hal::linux_os::IioPlaces places = made.places();
     places.calls = &nodes;
-    gyro.emplace(settings("iio:device0"), places);
+    gyro.emplace(iio_settings("iio:device0"), places);
   }
   FailingNodes nodes;
 };
@@ -289,7 +281,7 @@ TEST(IioGyroOfTheKernel, TellsWhatKeepsItsNodeFromBeingOpened) {
         Case{ENODEV, "No such device (is the driver bound?)"}}) {
     FailingRig rig;
     rig.nodes.open_error = failure.error;
-    const auto started = rig.gyro->start(kStart);
+    const auto started = rig.gyro->start(kIioStart);
     ASSERT_FALSE(started);
     EXPECT_EQ(started.error().bus, hal::BusError::not_present);
     const GyroReason reason = rig.gyro->reason(started.error().code);
