@@ -5,9 +5,9 @@ usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
 
 Compile flags come from BUILD_FOLDER/compile_commands.json, of a build that compiles file by file. Its precompiled
 headers are left out: a file that forgets an include fails here. Each .cpp answers for the headers of its folder too.
-The headers of a folder of flashed code are read together as one translation unit, and so are the sources of a folder and
-target of host_tools, because most of the time goes into what they include. That costs two checks, of unused aliases
-and using-declarations, which look only at the main file. The analyzer is asked to look at headers.
+The headers of a folder are read together as one translation unit, and so are the hosted sources of a folder and target,
+because most of the time goes into what they include. That costs two checks, of unused aliases and using-declarations,
+which look only at the main file. The analyzer is asked to look at headers.
 
 The results stand in $XDG_CACHE_HOME/zerorate-tidy (~/.cache where that is not set). A result counts again only where
 the tool, its configuration, the flags and every byte of every file that was read are the same. The bytes are hashed
@@ -29,8 +29,9 @@ import tempfile
 
 FOLDERS = ("core", "hal", "drivers", "firmware", "host_tools")
 HOSTED = re.compile(r"(host_tools/|firmware/model|hal/(sim|testing|linux)).*\.hpp$")
-# Files that are read together. Headers of boards are not: some stand for each other, with the same names.
-TOGETHER = re.compile(r"host_tools/.*\.cpp$|(?!firmware/boards/).*\.hpp$")
+# Files that are read together: hosted sources, which a build compiles at once too, and headers. Those of bare boards
+# and the simulated chips are not, because some have the same names.
+TOGETHER = re.compile(r"(host_tools|hal/linux|firmware/(model|toml|boards/linux))/|(?!firmware/boards/).*\.hpp$")
 TARGET = re.compile(r" -o \S*?CMakeFiles/([^/]+)\.dir/")
 # Files that CMake makes: their flags are none to borrow.
 GENERATED = re.compile(r"/cmake_pch\.hxx\.cxx$|_verify_interface_header_sets/")
@@ -152,8 +153,7 @@ class Tidy:
     def check(self, files):
         """(whether the files were remembered as clean, what clang-tidy finds in them: empty where nothing)."""
         folder = os.path.dirname(files[0])
-        is_header_of_many = len(files) > 1 and files[0].endswith(".hpp")
-        flags = self._flags.of(files[0]) + EXTRA_FLAGS + (HEADER_FLAGS if is_header_of_many else [])
+        flags = self._flags.of(files[0]) + EXTRA_FLAGS + (HEADER_FLAGS if len(files) > 1 else [])
         configuration = [content_digest(above / ".clang-tidy") for above in (self._root / files[0]).parents]
         key = digest(*files, self._version, *configuration,
                      *(flag.replace(str(self._root), "") for flag in flags))
