@@ -1,5 +1,5 @@
 /// @file
-/// How often a statistical test repeats what it does.
+/// How often a statistical test repeats what it does, and from which seed on.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,19 @@
 
 namespace zerorate::testing {
 
+inline std::uint64_t asked_for(const char* variable, std::uint64_t usual) {
+  const char* const asked = std::getenv(variable);
+  return asked == nullptr ? usual : std::stoull(asked);
+}
+
 /// The usual number, or that of $ZERORATE_REPETITIONS: `./test --slow` asks for more.
 inline std::uint64_t repetitions(std::uint64_t usual) {
-  const char* const asked = std::getenv("ZERORATE_REPETITIONS");
-  return asked == nullptr ? usual : std::stoull(asked);
+  return asked_for("ZERORATE_REPETITIONS", usual);
+}
+
+/// 1, or that of $ZERORATE_FIRST_SEED: seeds that nobody has looked at.
+inline std::uint64_t first_seed() {
+  return asked_for("ZERORATE_FIRST_SEED", 1);
 }
 
 }  // namespace zerorate::testing

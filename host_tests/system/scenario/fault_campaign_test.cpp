@@ -12,6 +12,7 @@
 #include <string>
 
 #include "firmware/model/node_model.hpp"
+#include "host_tests/support/repetitions.hpp"
 #include "host_tests/system/scenario/faulty_world.hpp"
 #include "host_tools/lib/parallel/parallel.hpp"
 
@@ -39,9 +40,9 @@ struct Outcome {
 /// Drives of one kind.
 struct Campaign {
   std::size_t drives = 0;
-  std::uint64_t first = 1;      ///< number of the first drive, which is its seed
-  bool warms = false;           ///< a fifth of the sensors warm up
-  bool expects_warmth = false;  ///< the model has a table [warm_up]
+  std::uint64_t first = testing::first_seed();  ///< number of the first drive, which is its seed
+  bool warms = false;                           ///< a fifth of the sensors warm up
+  bool expects_warmth = false;                  ///< the model has a table [warm_up]
   /// Instead of the odometer an accelerometer shows when the vehicle stands. A steady turn that
   /// begins and ends without a jolt is left out: nothing tells it from a bias.
   bool by_accelerometer = false;
