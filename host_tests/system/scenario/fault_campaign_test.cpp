@@ -24,17 +24,22 @@ using hal::testing::Fault;
 /// Change of the bias by an interruption of the supply, standard deviation.
 constexpr double kTurnOn_rad_s = 0.01 * kDps;
 
+/// Error of a bias that was called healthy.
+struct BiasError {
+  double sigmas = 0.0;
+  double time_s = 0.0;
+
+  [[nodiscard]] bool is_wrong() const { return sigmas > 5.0; }
+};
+
 /// Outcome of one drive.
 struct Outcome {
   std::uint64_t messages = 0;
   std::uint64_t healthy = 0;
   std::uint64_t no_numbers = 0;  ///< messages with a rate, and a figure in it that is none
-  double worst_sigmas = 0.0;     ///< largest error of a bias that was called healthy
-  double worst_s = 0.0;          ///< time of it
   std::uint64_t restarts_with_memory = 0;
-  bool began_in_turn = false;  ///< the vehicle turned when the node was calibrated first
-
-  [[nodiscard]] bool is_wrong() const { return worst_sigmas > 5.0; }
+  BiasError worst;             ///< the largest, of a node that was calibrated at rest
+  BiasError worst_after_turn;  ///< likewise, of one that was calibrated while the vehicle turned
 };
 
 /// Drives of one kind.
@@ -75,7 +80,10 @@ class Judge {
  public:
   explicit Judge(const std::vector<simulate::ScenarioRow>& rows) : rows_(rows) {}
   void go_to(std::size_t row) { row_ = row; }
-  void count_restart_with_memory() { ++outcome_.restarts_with_memory; }
+  void restart(bool with_memory) {
+    if (with_memory) ++outcome_.restarts_with_memory;
+    has_learnt_ = has_learnt_ && with_memory;
+  }
   [[nodiscard]] const Outcome& outcome() const { return outcome_; }
 
   void publish(const app::RateMessage& message) {
@@ -96,27 +104,26 @@ class Judge {
       if (!is_healthy) continue;
       const double error = double{bias} - double{rows_[row_].bias_rad_s[axis]};
       const double sigmas = std::abs(error) / double{sigma};
-      if (sigmas <= outcome_.worst_sigmas) continue;
-      outcome_.worst_sigmas = sigmas;
-      outcome_.worst_s = static_cast<double>(rows_[row_].row.time_ns) * 1e-9;
+      BiasError& worst = began_in_turn_ ? outcome_.worst_after_turn : outcome_.worst;
+      if (sigmas <= worst.sigmas) continue;
+      worst = {sigmas, static_cast<double>(rows_[row_].row.time_ns) * 1e-9};
     }
   }
 
  private:
   /// A turn before anything was learnt cannot be told from a bias.
   void note_beginning(bool calibrated) {
+    if (!calibrated || has_learnt_) return;
     constexpr float kTurn_rad_s = static_cast<float>(0.1 * kDps);
-    if (calibrated && !calibrated_) {
-      const auto& rates = rows_[row_].true_rate_rad_s;
-      outcome_.began_in_turn = std::any_of(rates.begin(), rates.end(),
-                                           [](float rate) { return std::abs(rate) > kTurn_rad_s; });
-    }
-    calibrated_ = calibrated;
+    has_learnt_ = true;
+    began_in_turn_ = std::ranges::any_of(rows_[row_].true_rate_rad_s,
+                                         [](float rate) { return std::abs(rate) > kTurn_rad_s; });
   }
 
   const std::vector<simulate::ScenarioRow>& rows_;
   std::size_t row_ = 0;
-  bool calibrated_ = false;
+  bool has_learnt_ = false;
+  bool began_in_turn_ = false;  ///< the vehicle turned when the node was calibrated first
   Outcome outcome_;
 };
 
@@ -291,11 +298,12 @@ class Drive {
     (void)storage_.save(snapshot.of_state(node_->state(), saved));
     node_.emplace(params_);
     std::array<std::uint8_t, app::Snapshot<FaultyNode>::kBytesOfState> record{};
+    bool has_memory = false;
     if (const auto size = storage_.load(record)) {
       const app::SnapshotTime now{.session = {happens(random_, 0.5) ? 'a' : 'b'}, .utc_s = 1010};
-      const auto resumed = snapshot.restore(*node_, std::span{record}.first(*size), now);
-      if (resumed) judge_.count_restart_with_memory();
+      has_memory = snapshot.restore(*node_, std::span{record}.first(*size), now).has_value();
     }
+    judge_.restart(has_memory);
     gyro_.emplace(drivers::SpiRegisters{bus_}, kSettings);
     loop_.emplace(*node_, *gyro_, odometer_, ready_, sleeping_, judge_);
   }
@@ -356,11 +364,12 @@ std::size_t drive_all(const Campaign& campaign) {
     sum.healthy += one.healthy;
     sum.no_numbers += one.no_numbers;
     sum.restarts_with_memory += one.restarts_with_memory;
-    if (!one.is_wrong()) continue;
-    ++(one.began_in_turn ? began_in_turn : wrong);
+    const BiasError& error = one.worst.is_wrong() ? one.worst : one.worst_after_turn;
+    if (!error.is_wrong()) continue;
+    ++(one.worst.is_wrong() ? wrong : began_in_turn);
     const unsigned long long number = campaign.first + i;
     std::printf("drive %llu: healthy, and off by %.1f standard deviations at %.1f s%s\n", number,
-                one.worst_sigmas, one.worst_s, Drive(campaign, number).description().c_str());
+                error.sigmas, error.time_s, Drive(campaign, number).description().c_str());
   }
   std::printf("%zu drives, %llu messages, %.1f %% of them healthy, %llu restarts with memory\n",
               outcomes.size(), static_cast<unsigned long long>(sum.messages),
