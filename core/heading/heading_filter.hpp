@@ -179,7 +179,7 @@ class HeadingFilter {
   [[nodiscard]] constexpr float quality() const {
     if (!(variance_[kScale] > 0.0F)) return 1.0F;
     const float left = square_root(state_.covariance(kScale, kScale) / variance_[kScale]);
-    return std::clamp(1.0F - left, 0.0F, 1.0F);
+    return std::max(1.0F - left, 0.0F);
   }
   /// Offset that is to be taken off the rate in motion, with the bias since departure.
   [[nodiscard]] constexpr float bias_in_motion_rad_s() const {

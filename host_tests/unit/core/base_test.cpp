@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/base/attitude.hpp"
+#include "core/base/complex.hpp"
 #include "core/base/crc32.hpp"
 #include "core/base/earth_rate.hpp"
 #include "core/base/numeric.hpp"
@@ -249,6 +250,18 @@ TEST(EarthRateOfAnAxisThatPointsDown, HasTheOtherSign) {
   EXPECT_GT(up.vertical_rad_s[0], 0.0F);
   EXPECT_EQ(down.vertical_rad_s[0], -up.vertical_rad_s[0]);
   EXPECT_EQ(down.heading_variance_rad2_s2, up.heading_variance_rad2_s2);
+}
+
+TEST(SquaredMagnitude, IsThatOfBothParts) {
+  EXPECT_EQ(squared_magnitude(-3.0F), 9.0F);
+  EXPECT_EQ(squared_magnitude(Complex{3.0F, -4.0F}), 25.0F);
+}
+
+TEST(NumbersThatAreNear, DifferByNoMoreThanTheLimitOnEachPlace) {
+  constexpr std::array kHere{1.0F, 2.0F};
+  EXPECT_TRUE(are_near(kHere, {1.5F, 1.5F}, 0.25F));
+  EXPECT_FALSE(are_near(kHere, {1.0F, 2.75F}, 0.25F));
+  EXPECT_FALSE(are_near(kHere, {0.25F, 2.0F}, 0.25F));
 }
 
 TEST(AngleOfAVector, IsThatOfTheLibraryInEveryOctant) {

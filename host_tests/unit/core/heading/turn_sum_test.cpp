@@ -134,6 +134,17 @@ TEST(TurnSum, GoesOnOverAStopThatNothingWasLearntFrom) {
 }
 
 /// Verifies SR-HEAD-03.
+TEST(TurnSum, CountsATurnBeforeTheMotionWasNoticedOnce) {
+  Vehicle vehicle{kPerfect};
+  vehicle.run(20.0, 0.0F, false);
+  vehicle.run(1.4, 30.0F * kDeg, false);
+  vehicle.run(1.6, 30.0F * kDeg, true);
+  vehicle.measured_ticks = 40;
+  vehicle.run(0.5, 0.0F, false);
+  vehicle.run(3.0, 0.0F, true);
+  EXPECT_NEAR(vehicle.angle_deg(), 0.0, 0.2);
+}
+
 TEST(TurnSum, HasTheErrorOfTheScaleFactorAndOfTheAsymmetry) {
   constexpr MotionModel kModel{.scale_factor = 0.01F, .asymmetry = 0.002F};
   Vehicle vehicle{kModel};

@@ -29,6 +29,13 @@ void run(Track& track, std::int64_t from_ms, std::int64_t to_ms, Temperature deg
   }
 }
 
+TEST(UnknownInput, WandersFromTheMomentItWasMeasured) {
+  EXPECT_EQ(unknown_change(Input::temperature, 0.0F, 0.0F), 0.0F);
+  EXPECT_NEAR(unknown_change(Input::temperature, 0.0F, 0.25F), 0.05F, 1e-6F);
+  EXPECT_NEAR(unknown_change(Input::temperature, 0.0F, 3600.0F), 6.0F, 1e-5F);
+  EXPECT_NEAR(unknown_change(Input::temperature_squared, 3.0F, 0.25F), 0.3F, 1e-6F);
+}
+
 TEST(InputTrack, HasTheMeanOfTheTickBefore) {
   Track track{kTerms, kTick};
   run(track, 0, 1'100, [](std::int64_t ms) { return 25.0F + static_cast<float>(ms) * 1e-3F; });

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/noise/inputs.hpp"
 #include "core/noise/terms.hpp"
 
 namespace zerorate::core {
@@ -91,6 +92,25 @@ TEST(TransitionOverNoTicks, ChangesNothing) {
   const auto step = modes.over(17);
   EXPECT_EQ(then(step, modes.over(0)), step);
   EXPECT_EQ(modes.over(0).noise(), 0.0F);
+}
+
+TEST(TransitionsThatFollowEachOther, LastAsLongAsBoth) {
+  const auto modes = every_block();
+  EXPECT_EQ(then(modes.over(3), modes.over(5)).ticks, 8U);
+}
+
+TEST(TemperatureDrift, IsAnInputAndItsSquareOnAllAxes) {
+  constexpr TemperatureDrift kDrift{.reference_degc = 20.0F,
+                                    .slope_rad_s_per_k = 3.0F,
+                                    .slope_sigma_rad_s_per_k = 5.0F,
+                                    .curvature_rad_s_per_k2 = 4.0F,
+                                    .curvature_sigma_rad_s_per_k2 = 6.0F,
+                                    .lag_s = 7.0F};
+  const auto terms = kDrift.terms();
+  EXPECT_EQ(terms.reference_degc, 20.0F);
+  EXPECT_EQ(terms.lag_s, 7.0F);
+  EXPECT_EQ(terms.terms[0], (InputTerm{Input::temperature, 5.0F, {3.0F, 3.0F, 3.0F}}));
+  EXPECT_EQ(terms.terms[1], (InputTerm{Input::temperature_squared, 6.0F, {4.0F, 4.0F, 4.0F}}));
 }
 
 TEST(StationaryMode, KeepsItsVarianceOverAnySpan) {

@@ -70,9 +70,10 @@ TEST(CellOfZero, HasAVarianceAboveItsErrorAndNoMoreThanNeeded) {
 }
 
 /// Deviation that a watch adds to the bias after rest at a rate, in steps.
-double claimed_at(double rate, double sigma) {
+/// @param sigma_of_model  noise by the model, which may be wrong
+double claimed_at(double rate, double sigma, double sigma_of_model) {
   RoundingWatch<1> watch{{.step_rad_s = 1.0F, .is_truncation = true},
-                         static_cast<float>(sigma * sigma)};
+                         static_cast<float>(sigma_of_model * sigma_of_model)};
   std::mt19937 random(5);
   std::normal_distribution<double> noisy{rate, sigma};
   for (int window = 0; window < 64; ++window) {
@@ -90,10 +91,13 @@ double claimed_at(double rate, double sigma) {
 }
 
 TEST(RoundingWatchOfTruncation, DoublesTheStepNearZeroAlone) {
-  EXPECT_NEAR(claimed_at(0.4, 0.05), 1.0 / std::sqrt(3.0), 0.01);
-  EXPECT_NEAR(claimed_at(6.4, 0.05), 0.5 / std::sqrt(3.0), 0.01);
-  EXPECT_NEAR(claimed_at(0.4, 1.0), 0.113, 0.02);
-  EXPECT_LT(claimed_at(8.4, 1.0), 1e-3);
+  EXPECT_NEAR(claimed_at(0.4, 0.05, 0.05), 1.0 / std::sqrt(3.0), 0.01);
+  EXPECT_NEAR(claimed_at(6.4, 0.05, 0.05), 0.5 / std::sqrt(3.0), 0.01);
+  EXPECT_NEAR(claimed_at(0.4, 1.0, 1.0), 0.113, 0.02);
+  EXPECT_LT(claimed_at(8.4, 1.0, 1.0), 1e-3);
+}
+TEST(RoundingWatchOfTruncation, CoversNoiseBelowThatOfTheModel) {
+  EXPECT_NEAR(claimed_at(0.4, 0.05, 1.0), 1.0 / std::sqrt(3.0), 0.01);
 }
 
 }  // namespace

@@ -44,9 +44,11 @@ TEST(ForceWitnessOfWhiteNoise, FindsNoMotion) {
 }
 
 TEST(ForceWitnessOfAStart, FindsMotionInThreeWindows) {
-  ForceWitness witness;
-  (void)motions(witness, 100, 0.002, kAlone, [](int) { return 0.0; });
-  EXPECT_EQ(motions(witness, 20, 0.002, kAlone, [](int k) { return k < 10 ? 0.0 : 0.05; }), 2);
+  for (const bool is_alone : {false, true}) {
+    ForceWitness witness;
+    (void)motions(witness, 100, 0.002, is_alone, [](int) { return 0.0; });
+    EXPECT_EQ(motions(witness, 20, 0.002, is_alone, [](int k) { return k < 10 ? 0.0 : 0.05; }), 2);
+  }
 }
 
 TEST(ForceWitnessOfATiltByOneMilliG, FindsNoMotion) {
