@@ -68,6 +68,19 @@ TEST(HeadingVariances, HoldsTheBiasOfThisDriveInTheVarianceOfATurn) {
   EXPECT_NEAR(filter.bias_variance_rad2_s2(predicted), of_rate, 1e-3F * of_rate);
 }
 
+// A filter that was followed for long no longer shows how its bias wanders.
+TEST(HeadingVariances, LetsTheBiasWanderOnAsInTheFirstTwoMinutes) {
+  constexpr float kGrowth = 1e-11F;  // of the variance in a second
+  HeadingFilter filter = filter_of_known_source();
+  filter.depart(kBiasVariance);
+  float predicted = kBiasVariance;
+  for (int second = 0; second < 600; ++second) {
+    if (second < 130) predicted += kGrowth;
+    filter.advance({0.0F, 1.0F}, 0.0F, predicted);
+  }
+  EXPECT_NEAR(filter.state().bias_prior_rad2_s2, kBiasVariance + 600.0F * kGrowth, 2.0F * kGrowth);
+}
+
 TEST(HeadingVariances, IsSurerOfATurnInWhichReferencesCame) {
   HeadingFilter filter = filter_of_honest_references(
       {.offset_rad_s = 0.0F, .between_drives_rad_s = 0.004F * kRadPerDeg});
