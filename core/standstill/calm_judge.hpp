@@ -115,14 +115,15 @@ class CalmJudge {
     state_.next_tick = tick.tick + 1U;
     state_.spread.add(tick.rate_rad_s, tick.samples);
     state_.witness.add(force);
-    if (state_.spread.window().ticks == window_ticks_) close_window(white);
-    if (!state_.is_calm) return Calm::moved;
-    const float limit =
-        kFarSigmas * kFarSigmas *
-        (variance_rad2_s2 + white.shown_rad2_s2() / static_cast<float>(tick.samples));
-    const bool is_doubted = predicted_rad_s != nullptr && state_.calm_windows < needed_windows_ &&
-                            !are_near(tick.rate_rad_s, *predicted_rad_s, limit);
-    return is_doubted ? Calm::far : Calm::calm;
+    const bool closes = state_.spread.window().ticks == window_ticks_;
+    if (closes) close_window(white);
+    const Calm calm = verdict(tick, predicted_rad_s, variance_rad2_s2, white);
+    if (closes) {
+      // At the rate of a turn the samples lie otherwise within a step.
+      if (calm == Calm::calm) white.rounding().observe(state_.squares, state_.differences);
+      clear_differences();
+    }
+    return calm;
   }
 
   /// True if the newest window is calm, or there are fewer than three.
@@ -138,14 +139,23 @@ class CalmJudge {
 
   [[nodiscard]] constexpr bool is_alone() const { return source_ == StandstillSource::gyro; }
 
+  [[nodiscard]] constexpr Calm verdict(const TickMean<Axes>& tick, const Rates* predicted_rad_s,
+                                       float variance_rad2_s2, const White& white) const {
+    if (!state_.is_calm) return Calm::moved;
+    const float limit =
+        kFarSigmas * kFarSigmas *
+        (variance_rad2_s2 + white.shown_rad2_s2() / static_cast<float>(tick.samples));
+    const bool is_doubted = predicted_rad_s != nullptr && state_.calm_windows < needed_windows_ &&
+                            !are_near(tick.rate_rad_s, *predicted_rad_s, limit);
+    return is_doubted ? Calm::far : Calm::calm;
+  }
+
   constexpr void close_window(White& white) {
     const auto samples = static_cast<float>(state_.spread.window().samples);
     follow_local_noise(samples, white);
     const auto of_rate = state_.spread.close(is_alone(), white.least_rad2_s2() / samples,
                                              tolerated_rad2_s2(samples));
     judge_spreads(of_rate, state_.witness.close(is_alone()));
-    if (state_.is_calm) white.rounding().observe(state_.squares, state_.differences);
-    clear_differences();
     if (!state_.is_calm) {
       state_.calm_windows = 0;
     } else if (state_.calm_windows < 0xFF) {

@@ -117,6 +117,19 @@ TEST(CalmJudgeOfARotation, SpoilsTheWindowsAtItsBeginAndEnd) {
   for (const std::size_t k : {3U, 8U, 13U, 19U}) EXPECT_EQ(verdicts[k], Calm::calm) << k;
 }
 
+// The rate of a turn lies elsewhere within a step of the samples, and shows another noise.
+TEST(CalmJudgeOfATurn, TeachesNothingOfRounding) {
+  Stop stop{52};
+  stop.calm_of(10);
+  constexpr Rates kPredicted{};
+  const auto shown = [&] { return stop.white.rounding().state().shown_rad2_s2; };
+  const auto turn = [](double) { return 9.0; };
+  for (int k = 0; k < 3; ++k) (void)stop.tick(turn, &kPredicted, 1e-9F);  // the turn begins
+  const Rates at_rest = shown();
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(stop.tick(turn, &kPredicted, 1e-9F), Calm::far);
+  EXPECT_EQ(shown(), at_rest);
+}
+
 /// Verifies SR-STILL-10.
 TEST(CalmJudgeOfARotationOnOneAxisOnly, SeesItToo) {
   Stop stop{5};
