@@ -125,7 +125,7 @@ TEST(KalmanPredictorWithWarmUpAndRamp, LetsThemBeginAnew) {
       filter.step(modes.one_tick(), y, static_cast<float>(kWhiteVariance));
     }
   };
-  for (const int ticks : {300, 2000}) {
+  for (const int ticks : {30, 300, 2000}) {
     measure(ticks, 100.0, 24.0, -0.03);
     filter.restart_transients();
     oracle.restart();
