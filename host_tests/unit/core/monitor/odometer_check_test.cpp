@@ -48,6 +48,16 @@ TEST(OdometerCheckAtALargeBias, AcceptsItsLevel) {
   EXPECT_FALSE(check.disagrees());
 }
 
+TEST(OdometerCheckAtADeparture, TrustsALevelThatNoTickWasFarFrom) {
+  for (const bool is_far : {false, true}) {
+    Check check = make_check();
+    stand(check, kBias, 100);
+    if (is_far) check.take_verdict(true);
+    check.pulse({});
+    EXPECT_EQ(check.state().has_trusted, !is_far);
+  }
+}
+
 /// Verifies SR-HEALTH-15.
 TEST(OdometerCheckWithoutPulses, NoticesATurnWithinATick) {
   Check check = make_check();
