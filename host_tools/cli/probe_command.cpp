@@ -19,15 +19,15 @@ struct ProbeFlags {
 ExitCode run_probe(const ProbeFlags& flags) {
   const bool is_told = !flags.devices.spi.empty() || !flags.devices.i2c.empty();
   const auto buses = probe::probe_buses(is_told ? flags.devices : probe::find_devices("/dev"));
-  const auto kernel = is_told ? std::vector<probe::KernelGyro>{} : probe::find_kernel_gyros({});
+  const auto kernel = is_told ? probe::KernelSensors{} : probe::find_kernel_sensors({});
   fmt::print("{}", flags.json ? probe::to_json(buses, kernel) : probe::to_text(buses, kernel));
-  if (buses.empty() && kernel.empty()) {
+  if (buses.empty() && kernel.gyros.empty()) {
     fmt::print(stderr, "zerorate: no /dev/spidev*, no /dev/i2c-*, and no gyro of the kernel\n");
   }
   const bool is_found = std::ranges::any_of(buses, [](const probe::Bus& bus) {
     return std::ranges::any_of(bus.attempts, &probe::Attempt::is_found);
   });
-  return is_found || !kernel.empty() ? success : finding;
+  return is_found || !kernel.gyros.empty() ? success : finding;
 }
 
 }  // namespace

@@ -49,23 +49,45 @@ int Bus::error_number() const {
   return attempts.empty() || !is_unusable ? 0 : attempts.front().error_number;
 }
 
-std::vector<KernelGyro> find_kernel_gyros(const hal::linux_os::IioPlaces& places) {
-  std::vector<KernelGyro> gyros;
-  const auto identities = hal::linux_os::find_iio_devices(places, hal::linux_os::kIioRate);
+namespace {
+
+std::vector<KernelSensor> find_kernel_sensors(const hal::linux_os::IioPlaces& places,
+                                              const hal::linux_os::IioQuantity& quantity) {
+  std::vector<KernelSensor> sensors;
+  const auto identities = hal::linux_os::find_iio_devices(places, quantity);
   for (const auto& identity : identities) {
     const auto namesakes =
         std::ranges::count(identities, identity.name, &hal::linux_os::IioIdentity::name);
     const bool is_clear = namesakes == 1 && !identity.name.empty();
     const hal::linux_os::SysfsFolder folder{places.sysfs + "/" + identity.node};
-    const auto rate = hal::linux_os::rate_attribute(folder);
-    gyros.push_back({.identity = identity,
-                     .device = is_clear ? identity.name : identity.node,
-                     .rate_hz = rate ? folder.number(*rate) : 0.0});
+    const auto rate = hal::linux_os::rate_attribute(folder, quantity);
+    sensors.push_back({.identity = identity,
+                       .device = is_clear ? identity.name : identity.node,
+                       .rate_hz = rate ? folder.number(*rate) : 0.0});
   }
-  return gyros;
+  return sensors;
 }
 
-std::string to_text(const std::vector<Bus>& buses, const std::vector<KernelGyro>& kernel) {
+nlohmann::ordered_json as_json(const std::vector<KernelSensor>& sensors) {
+  auto entries = nlohmann::ordered_json::array();
+  for (const KernelSensor& sensor : sensors) {
+    entries.push_back({{"node", sensor.identity.node},
+                       {"name", sensor.identity.name},
+                       {"label", sensor.identity.label},
+                       {"device", sensor.device},
+                       {"rate_hz", sensor.rate_hz}});
+  }
+  return entries;
+}
+
+}  // namespace
+
+KernelSensors find_kernel_sensors(const hal::linux_os::IioPlaces& places) {
+  return {.gyros = find_kernel_sensors(places, hal::linux_os::kIioRate),
+          .accelerometers = find_kernel_sensors(places, hal::linux_os::kIioAcceleration)};
+}
+
+std::string to_text(const std::vector<Bus>& buses, const KernelSensors& kernel) {
   std::string text;
   for (const Bus& bus : buses) {
     if (const int error = bus.error_number(); error != 0) {
@@ -84,26 +106,26 @@ std::string to_text(const std::vector<Bus>& buses, const std::vector<KernelGyro>
                           attempt.is_found ? "found" : "no", attempt.answer);
     }
   }
-  for (const KernelGyro& gyro : kernel) {
+  for (const KernelSensor& gyro : kernel.gyros) {
     text += fmt::format(
         "{:<20} {} found, by a driver of the kernel. In zerorated.toml:\n"
         "    [gyro]\n    bus = \"iio\"\n    device = \"{}\"\n    rate_hz = {:g}\n",
         gyro.identity.node, gyro.identity.name, gyro.device, gyro.rate_hz);
   }
+  for (const KernelSensor& accelerometer : kernel.accelerometers) {
+    text += fmt::format(
+        "{:<20} {} found, an accelerometer. Below a [gyro] of the kernel:\n"
+        "    acceleration = true\n    accelerometer_device = \"{}\"\n",
+        accelerometer.identity.node, accelerometer.identity.name, accelerometer.device);
+  }
   return text;
 }
 
-std::string to_json(const std::vector<Bus>& buses, const std::vector<KernelGyro>& kernel) {
+std::string to_json(const std::vector<Bus>& buses, const KernelSensors& kernel) {
   nlohmann::ordered_json document{{"schema", "zerorate.probe/1"},
                                   {"buses", nlohmann::ordered_json::array()},
-                                  {"kernel", nlohmann::ordered_json::array()}};
-  for (const KernelGyro& gyro : kernel) {
-    document["kernel"].push_back({{"node", gyro.identity.node},
-                                  {"name", gyro.identity.name},
-                                  {"label", gyro.identity.label},
-                                  {"device", gyro.device},
-                                  {"rate_hz", gyro.rate_hz}});
-  }
+                                  {"kernel", as_json(kernel.gyros)},
+                                  {"kernel_accelerometers", as_json(kernel.accelerometers)}};
   for (const Bus& bus : buses) {
     nlohmann::ordered_json attempts = nlohmann::ordered_json::array();
     for (const Attempt& attempt : bus.attempts) {

@@ -133,22 +133,25 @@ struct Devices {
 /// Asks all of them through the kernel. A device that cannot be opened answers "not present".
 [[nodiscard]] std::vector<Bus> probe_buses(const Devices& devices);
 
-/// A gyro behind a driver of the kernel (IIO), as `zerorated.toml` names it.
-struct KernelGyro {
+/// A gyro or an accelerometer behind a driver of the kernel (IIO), as `zerorated.toml` names it.
+struct KernelSensor {
   hal::linux_os::IioIdentity identity;
   std::string device;    ///< its name, or "iio:device1" where several have that name
   double rate_hz = 0.0;  ///< sampling rate of the driver now; 0: it gives none
 };
+/// Those of the kernel. A device that measures both stands in both lists.
+struct KernelSensors {
+  std::vector<KernelSensor> gyros;
+  std::vector<KernelSensor> accelerometers;
+};
 
-/// Those of the kernel. Reads attributes and writes none.
-[[nodiscard]] std::vector<KernelGyro> find_kernel_gyros(const hal::linux_os::IioPlaces& places);
+/// Reads attributes and writes none.
+[[nodiscard]] KernelSensors find_kernel_sensors(const hal::linux_os::IioPlaces& places);
 
 /// One line an attempt; one for a device that could not be used, with the kernel's reason. Of a
-/// gyro of the kernel the lines that `zerorated.toml` needs.
-[[nodiscard]] std::string to_text(const std::vector<Bus>& buses,
-                                  const std::vector<KernelGyro>& kernel = {});
+/// sensor of the kernel the lines that `zerorated.toml` needs.
+[[nodiscard]] std::string to_text(const std::vector<Bus>& buses, const KernelSensors& kernel = {});
 /// Schema zerorate.probe/1; see docs/reference/probe-json.md.
-[[nodiscard]] std::string to_json(const std::vector<Bus>& buses,
-                                  const std::vector<KernelGyro>& kernel = {});
+[[nodiscard]] std::string to_json(const std::vector<Bus>& buses, const KernelSensors& kernel = {});
 
 }  // namespace zerorate::probe

@@ -219,28 +219,35 @@ TEST(ResultOfAProbe, IsTheSameAsTextAndAsJson) {
   EXPECT_EQ(json["buses"][0]["attempts"][0]["answer"], "not acknowledged");
 }
 
-TEST(GyrosOfTheKernel, AreToldWithTheLinesThatZerorateNeeds) {
+TEST(SensorsOfTheKernel, AreToldWithTheLinesThatZerorateNeeds) {
   const testing::ScratchFolder folder;
-  const auto device = [&](const std::string& node, const std::string& name, bool is_gyro) {
+  const auto device = [&](const std::string& node, const std::string& name,
+                          const std::vector<std::string>& channels) {
     std::filesystem::create_directories(folder.path() / node);
     (void)folder.write(node + "/name", name + "\n");
-    if (is_gyro) (void)folder.write(node + "/in_anglvel_x_raw", "1\n");
+    for (const auto& channel : channels) (void)folder.write(node + "/" + channel, "1\n");
   };
-  device("iio:device0", "lsm6dso_accel", false);
-  device("iio:device1", "lsm6dso_gyro", true);
+  device("iio:device0", "lsm6dso_accel", {"in_accel_x_raw"});
+  device("iio:device1", "lsm6dso_gyro", {"in_anglvel_x_raw"});
   (void)folder.write("iio:device1/sampling_frequency", "104.000\n");
-  device("iio:device2", "mpu6050", true);
-  device("iio:device10", "mpu6050", true);
-  const auto gyros = find_kernel_gyros({.sysfs = folder.path().string()});
-  ASSERT_EQ(gyros.size(), 3U);
+  device("iio:device2", "mpu6050", {"in_anglvel_x_raw", "in_accel_x_raw"});
+  device("iio:device3", "ina219", {"in_voltage0_raw"});
+  device("iio:device10", "mpu6050", {"in_anglvel_x_raw"});
+  const KernelSensors sensors = find_kernel_sensors({.sysfs = folder.path().string()});
+  ASSERT_EQ(sensors.gyros.size(), 3U);
+  ASSERT_EQ(sensors.accelerometers.size(), 2U);
   EXPECT_EQ(
-      to_text({}, {gyros[0]}),
+      to_text({}, {{sensors.gyros[0]}, {sensors.accelerometers[0]}}),
       "iio:device1          lsm6dso_gyro found, by a driver of the kernel. In zerorated.toml:\n"
-      "    [gyro]\n    bus = \"iio\"\n    device = \"lsm6dso_gyro\"\n    rate_hz = 104\n");
-  EXPECT_EQ(gyros[1].device, "iio:device2");
-  EXPECT_EQ(gyros[2].device, "iio:device10");
-  const auto json = nlohmann::json::parse(to_json({}, gyros));
+      "    [gyro]\n    bus = \"iio\"\n    device = \"lsm6dso_gyro\"\n    rate_hz = 104\n"
+      "iio:device0          lsm6dso_accel found, an accelerometer. Below a [gyro] of the kernel:\n"
+      "    acceleration = true\n    accelerometer_device = \"lsm6dso_accel\"\n");
+  EXPECT_EQ(sensors.gyros[1].device, "iio:device2");
+  EXPECT_EQ(sensors.gyros[2].device, "iio:device10");
+  EXPECT_EQ(sensors.accelerometers[1].device, "mpu6050");
+  const auto json = nlohmann::json::parse(to_json({}, sensors));
   EXPECT_EQ(json["kernel"][0]["rate_hz"], 104.0);
+  EXPECT_EQ(json["kernel_accelerometers"][0]["device"], "lsm6dso_accel");
 }
 
 }  // namespace
