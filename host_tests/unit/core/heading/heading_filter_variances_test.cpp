@@ -70,7 +70,7 @@ TEST(HeadingVariances, HoldsTheBiasOfThisDriveInTheVarianceOfATurn) {
 
 // A filter that was followed for long no longer shows how its bias wanders.
 TEST(HeadingVariances, LetsTheBiasWanderOnAsInTheFirstTwoMinutes) {
-  constexpr float kGrowth = 1e-11F;  // of the variance in a second
+  constexpr float kGrowth = 1e-11F;  // growth of the variance in a second
   HeadingFilter filter = filter_of_known_source();
   filter.depart(kBiasVariance);
   float predicted = kBiasVariance;
