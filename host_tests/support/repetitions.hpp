@@ -18,9 +18,9 @@ inline std::uint64_t repetitions(std::uint64_t usual) {
   return asked_for("ZERORATE_REPETITIONS", usual);
 }
 
-/// 1, or that of $ZERORATE_FIRST_SEED: seeds that nobody has looked at.
-inline std::uint64_t first_seed() {
-  return asked_for("ZERORATE_FIRST_SEED", 1);
+/// The usual first seed, or that of $ZERORATE_FIRST_SEED: seeds that nobody looked at.
+inline std::uint64_t first_seed(std::uint64_t usual) {
+  return asked_for("ZERORATE_FIRST_SEED", usual);
 }
 
 }  // namespace zerorate::testing

@@ -1,6 +1,6 @@
 // Hours of drives between true stops with one error that rest does not show: the diagnosis names it
 // alone, with its size inside the interval, and names nothing where there is nothing. Each kind
-// prints its row of a table.
+// prints the answer to each hour and its row of a table.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -22,6 +22,7 @@ namespace {
 using units::kRadPerDeg;
 
 const std::uint64_t kSeeds = zerorate::testing::repetitions(8);
+const std::uint64_t kFirstSeed = zerorate::testing::first_seed(1);
 const double kShare = 1.0 / static_cast<double>(kSeeds);
 
 /// One error, hidden in the drives.
@@ -94,10 +95,23 @@ void add_size(const Hidden& hidden, const DriveDiagnosis& diagnosis, const Cause
   if (size->lo <= expected && expected <= size->hi) tally.covered += kShare;
 }
 
+/// Prints the answer to one hour.
+void print_answer(std::uint64_t seed, const DriveDiagnosis& diagnosis) {
+  fmt::print("seed {}:", seed);
+  for (const Cause& cause : diagnosis.causes) {
+    fmt::print(" {}{}", cause.effect, cause.stands_alone() ? "" : " (or another)");
+    for (const Parameter& one : cause.parameters)
+      fmt::print(", {} {:.4g} [{:.4g}, {:.4g}]", one.name, one.value, one.lo, one.hi);
+    fmt::print(";");
+  }
+  fmt::print(" {} left by {:.3g}\n", name(diagnosis.verdict), diagnosis.scatter);
+}
+
 Tally tally_of(const Hidden& hidden) {
   Tally tally;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed) {
     const DriveDiagnosis diagnosis = diagnosis_of(hour_with(hidden, seed));
+    print_answer(seed, diagnosis);
     tally.drives += kShare * static_cast<double>(diagnosis.drives);
     tally.before_deg += kShare * diagnosis.rms_rad / kRadPerDeg;
     tally.after_deg += kShare * diagnosis.rms_left_rad / kRadPerDeg;

@@ -28,7 +28,7 @@ constexpr double kTurnOn_rad_s = 0.01 * kDps;
 /// Drives of one kind.
 struct Campaign {
   std::size_t drives = 0;
-  std::uint64_t first = testing::first_seed();  ///< number of the first drive, which is its seed
+  std::uint64_t first = testing::first_seed(1);  ///< number of the first drive, which is its seed
   bool warms = false;                           ///< a fifth of the sensors warm up
   bool expects_warmth = false;                  ///< the model has a table [warm_up]
   /// Instead of the odometer an accelerometer shows when the vehicle stands. A steady turn that

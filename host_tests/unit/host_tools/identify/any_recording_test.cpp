@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <iterator>
 #include <optional>
 #include <random>
@@ -270,7 +269,7 @@ Counts try_recordings(std::uint64_t first, std::uint64_t count) {
 TEST(AnyRecording, HasFiguresThatAreRightOrIsRefused) {
   const std::uint64_t recordings = zerorate::testing::repetitions(40);
   const std::uint64_t most_wrong = recordings > 200 ? recordings / 100 : 0;
-  const Counts counts = try_recordings(zerorate::testing::first_seed(), recordings);
+  const Counts counts = try_recordings(zerorate::testing::first_seed(1), recordings);
   EXPECT_LE(counts.wrong, most_wrong) << "of " << recordings;
   EXPECT_LT(counts.refused, recordings / 2) << "most can be repaired";
 }

@@ -170,6 +170,22 @@ void drop_contradicted(const DriveRecord& record, std::vector<MotionChoice>& cho
   }
 }
 
+/// Takes causes out whose sizes may all be zero by their intervals: slopes would do as well.
+void drop_what_slopes_do(const DriveRecord& record, const MotionSelection& selection,
+                         std::vector<MotionChoice>& chosen) {
+  const auto may_be_zero = [](const Parameter& size) { return size.lo <= 0.0 && size.hi >= 0.0; };
+  for (std::size_t i = 0; i < chosen.size();) {
+    const MotionFinding finding = finding_of(record, chosen, i, selection.fit(chosen));
+    const MotionDescription description = chosen[i].effect->describe(finding);
+    if (!std::ranges::all_of(description.parameters, may_be_zero)) {
+      ++i;
+      continue;
+    }
+    chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
+  }
+}
+
 /// Whether more is left than noise and bias let expect, with a probability below 1 in 1000.
 bool is_left_unexplained(const DriveFit& fit) {
   constexpr double kRare = 1e-3;
@@ -230,6 +246,7 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
   const auto effects = make_motion_effects();
   const MotionSelection selection{record, effects};
   std::vector<MotionChoice> chosen = selection.choose();
+  drop_what_slopes_do(record, selection, chosen);
   drop_contradicted(record, chosen, diagnosis);
   const DriveFit fit = selection.fit(chosen);
   const double tolerance = model.scale_factor.value_or(model::ScaleFactor{}).sigma;

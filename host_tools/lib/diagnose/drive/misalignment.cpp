@@ -37,8 +37,17 @@ Component component_of(const DriveRecord& record, std::size_t axis) {
       (x.transpose() * x).completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::Vector2d shares = inverse * (x.transpose() * y);
   const double freedom = static_cast<double>(record.size()) - 2.0;
-  const double squares = (y - x * shares).squaredNorm();
-  const double sigma = std::sqrt(squares / freedom * inverse(0, 0));
+  const Eigen::VectorXd left = y - x * shares;
+  const double squares = left.squaredNorm();
+  // Slopes and lean make the errors of some drives larger: each counts by its own residual, as it
+  // would be of a fit to the other drives (HC3, MacKinnon and White 1985).
+  double variance = 0.0;
+  for (Eigen::Index k = 0; k < drives; ++k) {
+    const Eigen::Vector2d row = x.row(k).transpose();
+    const double influence = inverse.row(0).dot(row);
+    variance += std::pow(influence * left[k] / (1.0 - row.dot(inverse * row)), 2);
+  }
+  const double sigma = std::sqrt(variance);
   // Without the share the squares are larger by what a single column takes.
   const double squares_without = squares + shares[0] * shares[0] / inverse(0, 0);
   return {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "host_tools/lib/statistics/statistics.hpp"
@@ -21,9 +22,15 @@ Residuals all_left(const Eigen::VectorXd& rows) {
   return residuals;
 }
 
-/// Likeliest weight of a block of rows.
+/// Likeliest weight of a block of rows whose variance is no less than expected.
 double weight_of(const Residuals& rows) {
-  return rows.size > 0.0 ? rows.size / rows.squares : 0.0;
+  return rows.size > 0.0 ? std::min(1.0, rows.size / rows.squares) : 0.0;
+}
+
+/// Log likelihood of a block of rows at its likeliest weight, but for a constant.
+double log_likelihood(const Residuals& rows) {
+  const double weight = weight_of(rows);
+  return rows.size > 0.0 ? 0.5 * (rows.size * std::log(weight) - weight * rows.squares) : 0.0;
 }
 
 Eigen::MatrixXd squares_of(const Eigen::MatrixXd& rows) {
@@ -96,16 +103,14 @@ DriveFit DriveRegression::fit(const Share& share) const {
   fit.drives.freedom = fit.drives.size - fit.share_of_drives.sum();
   fit.windows.freedom =
       fit.windows.size - (static_cast<double>(x.cols()) - fit.share_of_drives.sum());
-  fit.covariance = information.inverse(1.0 / fit.drives.factor(),
-                                       windows > 0 ? 1.0 / fit.windows.factor() : 0.0);
+  fit.covariance = information.inverse(1.0 / fit.drives.inflation(),
+                                       windows > 0 ? 1.0 / fit.windows.inflation() : 0.0);
   return fit;
 }
 
 double DriveRegression::gain(const DriveFit& without, const DriveFit& with) {
-  const auto of_rows = [](const Residuals& fewer, const Residuals& more) {
-    return more.size > 0.0 ? 0.5 * more.size * std::log(fewer.squares / more.squares) : 0.0;
-  };
-  return of_rows(without.drives, with.drives) + of_rows(without.windows, with.windows);
+  return log_likelihood(with.drives) - log_likelihood(without.drives) +
+         log_likelihood(with.windows) - log_likelihood(without.windows);
 }
 
 double DriveRegression::share_of_drives(const Eigen::VectorXd& known, const DriveFit& fit) const {

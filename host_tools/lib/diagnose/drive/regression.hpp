@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 
 #include "host_tools/lib/diagnose/drive/drive_record.hpp"
@@ -23,10 +24,13 @@ struct Residuals {
 
   /// Variance of the errors over the expected one.
   [[nodiscard]] double factor() const { return squares / freedom; }
+  /// The factor, at least 1: noise and bias make their share whatever few rows show.
+  [[nodiscard]] double inflation() const { return std::max(1.0, factor()); }
 };
 
 /// Coefficients at the greatest likelihood. The covariance of the errors is known but for two
-/// factors, one of the drives and one of the windows in them: a reference wanders on the way.
+/// factors of at least 1, one of the drives and one of the windows in them: a reference wanders on
+/// the way.
 struct DriveFit {
   Eigen::VectorXd coefficients;
   Eigen::MatrixXd covariance;  ///< covariance of the coefficients

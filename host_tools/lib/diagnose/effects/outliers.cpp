@@ -156,8 +156,8 @@ class Histogram {
   std::vector<Bin> bins_;
 };
 
-/// Single wild samples. The part's shape: probability, size in sigma, sigma in rad/s; the ends of
-/// the intervals of the first two, where they are worth naming.
+/// Single wild samples. The part's shape: probability, size in sigma, sigma in rad/s, number of
+/// plain outliers; the ends of the intervals of the first two, where they are worth naming.
 class Outliers final : public Effect {
  public:
   [[nodiscard]] std::string_view name() const override { return "outliers"; }
@@ -174,13 +174,17 @@ class Outliers final : public Effect {
     const double unit = shape[2] * kDegPerRad;
     const double sigma = shape[1] * unit;
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    shape.resize(7, kUnknown);
+    shape.resize(8, kUnknown);
+    // Those that are plain are at least so many. What the noise may hide is an extrapolation.
+    const double plain = shape[3];
+    const Parameter count{"count", std::max(plain, probability * size), plain, shape[5] * size};
     Description description{
-        .parameters = {{"probability", probability, shape[3], shape[4]},
-                       {"sigma_dps", sigma, shape[5] * unit, shape[6] * unit}},
-        .sentence = fmt::format("About {:.0f} single samples are off by {:.2g} deg/s (rms), "
-                                "{:.3g} times the noise of the others.",
-                                probability * size, sigma, fitted.part().shape[1])};
+        .parameters = {count,
+                       {"probability", probability, shape[4], shape[5]},
+                       {"sigma_dps", sigma, shape[6] * unit, shape[7] * unit}},
+        .sentence = fmt::format("{} single samples are off by {:.2g} deg/s (rms), {:.3g} times the "
+                                "noise of the others.",
+                                in_words(count), sigma, shape[1])};
     description.drawing.effect = name();
     for (const Run& run : fitted.part().replaced) {
       const FitData& data = fitted.hypothesis.data();
@@ -196,6 +200,12 @@ class Outliers final : public Effect {
   }
 
  private:
+  /// "8 to 14", or "About 11" where the interval is not worth naming.
+  static std::string in_words(const Parameter& count) {
+    return std::isnan(count.hi) ? fmt::format("About {:.0f}", count.value)
+                                : fmt::format("{:.0f} to {:.0f}", count.lo, std::ceil(count.hi));
+  }
+
   [[nodiscard]] std::optional<Candidate> find(const Hypothesis& without) const override {
     const std::vector<double> residuals = deletion_residuals(without);
     // The part that rounding may have done was taken away, so that nothing may be left of the
@@ -212,7 +222,7 @@ class Outliers final : public Effect {
     }
     if (best_gain <= 0.0) return std::nullopt;
     const double sigma = std::sqrt(best.variance / without.mean_precision());
-    std::vector<double> shape{best.probability, best.size, sigma};
+    std::vector<double> shape{best.probability, best.size, sigma, plain_outliers(best, residuals)};
     if (best_gain > kWorthAnInterval) {
       for (const auto figure : {&Mixture::probability, &Mixture::size}) {
         const auto [lo, hi] = histogram.interval(best, figure);
@@ -226,6 +236,13 @@ class Outliers final : public Effect {
     // Two parameters, searched over sizes; probability 0 lies at the edge.
     candidate.surprisal_nats = statistics::surprisal_of_search(best_gain, 2.0, 3.0);
     return candidate;
+  }
+
+  /// Number of the values of which hardly one in a hundred is noise.
+  static double plain_outliers(const Mixture& mixture, const std::vector<double>& residuals) {
+    constexpr double kPlain = 0.99;
+    return static_cast<double>(std::ranges::count_if(
+        residuals, [&](double residual) { return mixture.at(residual).posterior > kPlain; }));
   }
 
   /// Each value goes with the probability that it is an outlier, so that those which stay are

@@ -65,6 +65,22 @@ TEST(DrivesByHand, AShareOfTheTurnIsAScaleFactor) {
   EXPECT_GE(percent.hi, 1.0);
 }
 
+// The noise of the model is in the interval whatever few drives happen to show.
+TEST(DrivesByHand, QuietDrivesDoNotNarrowTheInterval) {
+  DriveRecord record = drives_with_noise(0.1 * kNoise_rad);
+  double squares_s2 = 0.0;
+  for (DriveEvidence& drive : record.drives) {
+    const double seconds_at_10_mps = drive.metres / 10.0;
+    drive.error_rad += 0.01 * kRadPerDeg * seconds_at_10_mps;
+    squares_s2 += seconds_at_10_mps * seconds_at_10_mps;
+  }
+  const DriveDiagnosis diagnosis = diagnosed(record);
+  ASSERT_EQ(diagnosis.causes.size(), 1);
+  const Parameter& offset = diagnosis.causes[0].parameters.at(0);
+  EXPECT_EQ(offset.name, "offset_at_10_mps_dps");
+  EXPECT_GE(offset.hi - offset.lo, 2.0 * 1.96 * kNoise_rad / kRadPerDeg / std::sqrt(squares_s2));
+}
+
 TEST(DrivesByHand, AScatterIsTheReferencesUpToALimit) {
   const DriveDiagnosis small = diagnosed(drives_with_noise(4.0 * kNoise_rad));
   EXPECT_EQ(small.verdict, Verdict::consistent);

@@ -75,6 +75,12 @@ class EffectAlone {
     EXPECT_LT(at->lo, at->hi) << name;
   }
 
+  /// Whether a figure of the effect has the truth in its 95 % interval.
+  [[nodiscard]] bool is_inside(std::string_view name, double truth) const {
+    const auto at = std::ranges::find(description_.parameters, name, &Parameter::name);
+    return at != description_.parameters.end() && at->lo <= truth && truth <= at->hi;
+  }
+
   [[nodiscard]] const std::string& sentence() const { return description_.sentence; }
   /// A figure of the effect; NaN where it has none of that name.
   [[nodiscard]] double value_of(std::string_view name) const {

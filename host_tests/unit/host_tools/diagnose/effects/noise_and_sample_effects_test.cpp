@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 #include "host_tests/unit/host_tools/diagnose/effects/effect_alone.hpp"
 
 namespace zerorate::diagnose {
@@ -152,6 +155,28 @@ TEST(OutliersAlone, IsFoundWithItsFigures) {
   alone.expect_within_three_sigma("sigma_dps", 1.0);
   alone.expect_within_three_sigma("probability", 5e-3);
   EXPECT_TRUE(alone.model().outliers);
+}
+
+// Wild values of one size are unlike the model's normal ones, which reach into the noise.
+TEST(OutliersAlone, HasEightOfOneSizeInTheInterval) {
+  int tried = 0;
+  int inside = 0;
+  for (const double size_dps : {1.0, 1.5, 6.0}) {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      simulate::Signal signal = zerorate::testing::simulate_rest({}, kSamples, kPeriod_s, seed);
+      for (std::size_t k = 0; k < 8; ++k) {
+        signal.rate_rad_s[300 + 570 * k] += (k % 2 == 0 ? size_dps : -size_dps) * kRadPerDeg;
+      }
+      const EffectAlone alone(make_outliers(),
+                              record_of(zerorate::testing::rest_samples_of(signal), 0));
+      if (!alone.is_found()) continue;
+      ++tried;
+      if (alone.is_inside("count", 8.0)) ++inside;
+    }
+  }
+  EXPECT_GE(tried, 16);  // those of 1.5 and 6 deg/s
+  const double standard_deviation = std::sqrt(0.95 * 0.05 * tried);
+  EXPECT_GE(inside, 0.95 * tried - 3.0 * standard_deviation);
 }
 
 TEST(OutliersAlone, IsNotFoundInWhiteAndFlickerNoise) {
