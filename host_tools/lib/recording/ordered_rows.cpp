@@ -86,6 +86,13 @@ void OrderedRows::fill() {
 
 void OrderedRows::expect_one_time_line(const NumberedRow& row) {
   turns_.add(row.row.time_ns);
+  if (turns_.run_back_between_bursts()) {
+    throw Error{{name_, row.line},
+                "stamps of bursts that run backwards again and again: the clock begins again while "
+                "a burst is read",
+                "stamps that advance, or begin again after many bursts",
+                "--rows-at HZ reads the rows without their stamps."};
+  }
   if (!turns_.are_there()) return;
   std::string columns;
   for (const std::string& name : ignored_columns())

@@ -93,6 +93,10 @@ bool take_turns(Stamps stamps) {
 }  // namespace
 
 void StampsInTurn::add(std::int64_t stamp_ns) {
+  stamps_ += rows_ == 0 || stamp_ns != newest_ns_ ? 1U : 0U;
+  back_ += rows_ > 0 && stamp_ns < newest_ns_ ? 1U : 0U;
+  ++rows_;
+  newest_ns_ = stamp_ns;
   block_[size_++] = stamp_ns;
   if (size_ < block_.size()) return;
   size_ = 0;

@@ -22,6 +22,15 @@ class StampsInTurn {
  public:
   void add(std::int64_t stamp_ns);
 
+  /// True where stamps of four rows or more, in the mean, run backwards in more than one of eight:
+  /// a counter that begins again while a burst is read, and nobody knows how often.
+  [[nodiscard]] bool run_back_between_bursts() const {
+    constexpr std::uint64_t kFewest = 10;
+    constexpr std::uint64_t kRowsOfBurst = 4;
+    constexpr std::uint64_t kOneOf = 8;
+    return back_ >= kFewest && back_ * kOneOf > stamps_ && rows_ > kRowsOfBurst * stamps_;
+  }
+
   /// True if rows took turns in four blocks and in more than one block of fifty.
   [[nodiscard]] bool are_there() const {
     constexpr std::uint64_t kFewest = 4;
@@ -32,6 +41,10 @@ class StampsInTurn {
  private:
   std::array<std::int64_t, 240> block_{};
   std::size_t size_ = 0;
+  std::int64_t newest_ns_ = 0;
+  std::uint64_t rows_ = 0;
+  std::uint64_t stamps_ = 0;  ///< rows with another stamp than the one before
+  std::uint64_t back_ = 0;    ///< of these, stamps before the newest
   std::uint64_t blocks_ = 0;
   std::uint64_t in_turn_ = 0;  ///< blocks in which rows take turns
 };

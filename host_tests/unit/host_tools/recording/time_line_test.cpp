@@ -232,6 +232,11 @@ TEST(TwoSensorsInTurn, AreRefusedWhereEachHasATimeLine) {
               HasSubstr(kReason));
 }
 
+TEST(CounterThatBeginsAgainInEachBurst, IsRefused) {
+  EXPECT_THAT(complaint_of([](int k) { return std::fmod(2.54 * (k / 254), 4.294967296); }),
+              HasSubstr("while a burst is read"));
+}
+
 TEST(PairsInTheWrongOrder, AreSorted) {
   EXPECT_EQ(complaint_of([](int k) { return 0.01 * (k % 2 == 0 ? k + 1 : k - 1); }), "");
   EXPECT_EQ(complaint_of([](int k) {
