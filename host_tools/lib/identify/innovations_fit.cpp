@@ -390,8 +390,7 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
                     std::exp(prior.parameters.log_bias_instability(prior.theta))};
   }
 
-  const auto maximum_of = options.order ? keep_order : choose_order;
-  const Maximum best = maximum_of(fitter, peak, fit.flicker);
+  const Maximum best = (options.order ? keep_order : choose_order)(fitter, peak, fit.flicker);
   fit.angle_random_walk_rad_per_sqrt_s =
       IntervalEstimate::of_logarithm(best.theta(0), best.error(0));
   fit.minus_two_log_likelihood = best.minus_two_log;
