@@ -66,7 +66,7 @@ std::optional<std::size_t> rows_beyond_chance(const Rows& rows) {
   return std::max(kFewest, static_cast<std::size_t>(std::ceil(kCaution * found)));
 }
 
-/// What was found of copies.
+/// Copies that were found.
 struct Copies {
   std::size_t rows = 0;
   std::size_t blocks = 0;
@@ -115,7 +115,7 @@ class CopyFinder {
   const Rows& rows_;
   std::size_t window_;
   std::unordered_map<std::uint64_t, std::size_t> seen_;  ///< first row of each window
-  std::size_t end_ = 0;                                  ///< of the newest copy
+  std::size_t end_ = 0;                                  ///< end of the newest copy
   Copies found_;
 };
 

@@ -44,7 +44,7 @@ class StampsInTurn {
   std::int64_t newest_ns_ = 0;
   std::uint64_t rows_ = 0;
   std::uint64_t stamps_ = 0;  ///< rows with another stamp than the one before
-  std::uint64_t back_ = 0;    ///< of these, stamps before the newest
+  std::uint64_t back_ = 0;    ///< stamps before the one of the row ahead
   std::uint64_t blocks_ = 0;
   std::uint64_t in_turn_ = 0;  ///< blocks in which rows take turns
 };
