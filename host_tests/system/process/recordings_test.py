@@ -91,6 +91,31 @@ class ExitCode(unittest.TestCase):
         walk = json.loads(run.stdout)["axes"]["rate"]["angle_random_walk_dps_per_sqrt_hz"]["value"]
         self.assertAlmostEqual(walk, 0.1 * math.sqrt(0.1), delta=0.1 * 0.1 * math.sqrt(0.1))
 
+    def run_on_the_recording(self, command, *options):
+        return subprocess.run([ZERORATE, command, self.recording, *options], capture_output=True, text=True, timeout=60, check=True)
+
+    def test_of_angles_without_a_row_loses_the_rate_behind_it_alone(self):
+        lines = ["t_s,angle"] + [f"{0.1 * k:.1f},0.05" for k in range(50) if k != 20]
+        self.recording.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        output = self.recording.with_name("rates.csv")
+        self.run_on_the_recording("convert", "--columns", "t=t_s,rate=angle", "--units", "time=s,rate=deg/sample", "-o", output)
+        rates = [float(line.split(",")[1]) for line in output.read_text(encoding="utf-8").splitlines()[1:]]
+        self.assertEqual([k for k, rate in enumerate(rates) if math.isnan(rate)], [20])
+        self.assertEqual({round(math.degrees(rate), 4) for rate in rates if not math.isnan(rate)}, {0.5})
+
+    def test_of_a_schedule_over_rates_without_their_bias_names_the_doubt(self):
+        axes = []
+        for seed in range(3):
+            noise = random.Random(seed)
+            raw = [noise.gauss(0.0, 0.05) for _ in range(36_000)]
+            levels = [sum(raw[max(0, k - 200):k]) / 200 for k in range(0, len(raw), 200)]
+            axes.append([rate - levels[k // 200] for k, rate in enumerate(raw)])
+        rows = [f"{0.1 * k:.1f}," + ",".join(f"{rate:.5f}" for rate in rates) for k, rates in enumerate(zip(*axes))]
+        self.recording.write_text("\n".join(["t_s,gx_dps,gy_dps,gz_dps", *rows]) + "\n", encoding="utf-8")
+        replay = ("replay", "--schedule", "still=60,drive=120,seed=1", "--axis", "z")
+        self.assertIn("a bias already taken out upstream?", self.run_on_the_recording(*replay).stdout)
+        self.assertNotIn("upstream", self.run_on_the_recording(*replay, "--accept", "bias").stdout)
+
     def test_of_an_option_that_contradicts_the_recording_is_wrong_usage(self):
         self.record(2000, noisy)
         self.assert_ends(WRONG_USAGE, "diagnose", "--axis", "z")

@@ -191,6 +191,18 @@ TEST(ReplayOfAFrozenAxis, GivesNoRateAndLearnsNothing) {
   EXPECT_NEAR(last.axes[2].bias.in(core::deg_per_s), 0.1F, 0.05F);
 }
 
+// Zeros since the first row show neither noise nor the size of a step.
+TEST(ReplayOfAGyroThatIsDeadAtFirst, LearnsNothingFromItsZeros) {
+  const ScratchFolder folder;
+  auto rows = rows_at_rest(4'000, 0.01, 2);
+  for (std::size_t k = 0; k < 1'500; ++k) rows[k].rate_rad_s = {};
+  const Replayed played = replay_file(write_rows(folder.path() / "dead.csv", kRates, rows),
+                                      {.model = sensor_model(), .schedule = kShortDrives});
+  EXPECT_EQ(played.result.samples_frozen, 1'399U) << "all but those of the first second";
+  EXPECT_FALSE(played.messages[1'400].has_rate());
+  EXPECT_NEAR(played.messages.back().axes[2].bias.in(core::deg_per_s), 0.1F, 0.05F);
+}
+
 // The stronger proof that nothing of a drive is learnt from: a turn of any size, known as the
 // truth, leaves every prediction as it was.
 TEST(ReplayOfATurningVehicle, PredictsAsIfItHadDrivenStraight) {

@@ -34,7 +34,9 @@ class DirectFeed {
     if (!pulses.empty()) driven_at_ = pulses.back();
     const bool is_frozen =
         node_.can_take(sample) &&
-        app::watch_before(node_, watch_, sample, driven_at_, sample.time, measured_axes_) != 0;
+        (app::watch_before(node_, watch_, sample, driven_at_, sample.time, measured_axes_) != 0 ||
+         is_dead_so_far(sample));
+    if (is_frozen && is_dead_) node_.discard_stop(sample.time);
     app::RateMessage message =
         is_frozen ? node_.step_without_sample(sample.time) : node_.step(sample);
     if (sample.has_acceleration && !is_frozen) message.acceleration = sample.acceleration;
@@ -44,10 +46,20 @@ class DirectFeed {
   [[nodiscard]] app::LoopCounters counters() const { return {}; }
 
  private:
+  /// True from the first second on while all samples are equal. No driver gives the size of a step
+  /// here, and until a sample differs nothing shows it: SampleWatch cannot judge.
+  bool is_dead_so_far(const core::GyroSample& sample) {
+    if (!first_) first_ = sample;
+    is_dead_ = is_dead_ && sample.rate == first_->rate;
+    return is_dead_ && sample.time - first_->time > core::Duration::seconds(1);
+  }
+
   Node& node_;
   unsigned measured_axes_;  ///< one bit each
   app::SampleWatch<> watch_;
   std::optional<core::Instant> driven_at_;
+  std::optional<core::GyroSample> first_;
+  bool is_dead_ = true;  ///< no sample has differed from the first
 };
 
 /// Sends them through a simulated chip, the SPI bus, the driver and the node's loop.

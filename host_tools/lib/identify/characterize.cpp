@@ -168,9 +168,10 @@ std::vector<std::string> remarks_on(const InnovationsFit& fit) {
   } else if (fit.flicker->rejected_order) {
     remarks.push_back(fmt::format(
         "The recording is too short to determine the order ({:.2f}, 95 % interval {:.2f} to "
-        "{:.2f}); 1/2 is kept.",
+        "{:.2f}{}); 1/2 is kept.",
         fit.flicker->rejected_order->value, fit.flicker->rejected_order->lo,
-        fit.flicker->rejected_order->hi));
+        fit.flicker->rejected_order->hi,
+        fit.flicker->rejected_order->hi < 0.5 ? " if there were no white noise" : ""));
   }
   return remarks;
 }

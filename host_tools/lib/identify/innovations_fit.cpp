@@ -32,8 +32,11 @@ constexpr double kEdge = 0.006;
 /// Steps of log N and log flicker, where a record has no information.
 constexpr double kLongestStep = 0.08;
 constexpr double kLongestFlickerStep = 0.8;
-/// 1 % point of chi squared with one degree of freedom.
+/// Largest relative error of N in a fit whose order counts.
+constexpr double kKnownWhite = 0.5;
+/// 1 % point of chi squared with one degree of freedom, and five standard deviations.
 constexpr double kContradiction = 6.634896601021213;
+constexpr double kStrongContradiction = 25.0;
 
 double order_of(double logit) {
   return kLowestOrder + (kHighestOrder - kLowestOrder) / (1.0 + std::exp(-logit));
@@ -312,7 +315,8 @@ Maximum keep_order(const Fitter& fitter, const Peak& given, std::optional<Fitted
 Maximum choose_order(const Fitter& fitter, const Peak& prior,
                      std::optional<FittedFlicker>& flicker) {
   const Peak free = fitter.peak_of_free_order();
-  const bool contradicts = prior.minus_two_log - free.minus_two_log > kContradiction;
+  const double ratio = prior.minus_two_log - free.minus_two_log;
+  const bool contradicts = ratio > kContradiction;
   if (contradicts && free.parameters.order_at(free.theta) > kOrderLimit) {
     Maximum at_limit = fitter.as_asked(fitter.with_errors(fitter.peak_from(free, kHighestOrder)));
     flicker = flicker_of(at_limit, OrderSource::limit);
@@ -320,7 +324,10 @@ Maximum choose_order(const Fitter& fitter, const Peak& prior,
   }
   Maximum with_order = fitter.as_asked(fitter.with_errors(free));
   const IntervalEstimate order = with_order.order();
-  if (contradicts || order.hi - order.lo <= kWidestOrderInterval) {
+  // Flicker noise of low order takes the place of white noise: then N is not known, and d seems so.
+  const bool is_known = with_order.error(0) <= kKnownWhite;
+  const bool is_kept = contradicts || order.hi - order.lo <= kWidestOrderInterval;
+  if (is_known ? is_kept : ratio > kStrongContradiction) {
     flicker = flicker_of(with_order, OrderSource::estimated);
     return with_order;
   }
@@ -383,8 +390,7 @@ InnovationsFit fit_by_innovations(std::span<const InnovationsLikelihood> likelih
                     std::exp(prior.parameters.log_bias_instability(prior.theta))};
   }
 
-  const auto maximum_of = options.order ? keep_order : choose_order;
-  const Maximum best = maximum_of(fitter, peak, fit.flicker);
+  const Maximum best = (options.order ? keep_order : choose_order)(fitter, peak, fit.flicker);
   fit.angle_random_walk_rad_per_sqrt_s =
       IntervalEstimate::of_logarithm(best.theta(0), best.error(0));
   fit.minus_two_log_likelihood = best.minus_two_log;

@@ -98,7 +98,8 @@ struct InnovationsFitOptions {
 /// squared with one degree of freedom (Self and Liang 1987).
 ///
 /// A free order is kept if its interval is no wider than kWidestOrderInterval, or if the likelihood
-/// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior.
+/// ratio contradicts the prior d = 1/2 at the 1 % level; else the fit is that of the prior. Where
+/// the free fit does not know N within a half, the ratio must be 25.
 ///
 /// Cost: some 60 passes of the filter. Throws recording::DataError for fewer than 64 ticks and a
 /// constant record, std::invalid_argument for an order outside [0.05, 0.95] and start values that

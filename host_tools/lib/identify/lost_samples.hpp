@@ -26,10 +26,11 @@ struct LostShare {
   }
 };
 
-/// Judges blocks of 64, 256 and 1024 samples, of which a recording has 32 at least, and 16 where
-/// it shares stamps; none lost where it is shorter.
+/// Judges blocks of 64, 256 and 1024 samples, of which a recording has 32 at least; none lost where
+/// it is shorter. Where it shares stamps the blocks are whole bursts of at least so many samples,
+/// and 16 are enough.
 /// @param times  ascending
-/// @param shares_stamps  most intervals were made by the reader, and only the longest blocks count
+/// @param shares_stamps  most intervals were made by the reader, and confirm nothing
 [[nodiscard]] LostShare lost_share(std::span<const core::Instant> times, bool shares_stamps);
 
 }  // namespace zerorate::identify

@@ -147,11 +147,15 @@ std::optional<RestDoubt> RestCheck::doubt_of_counts() const {
 std::optional<RestDoubt> RestCheck::doubt_of_unit() const {
   constexpr double kNoisiest = 2.0;   // deg/s/sqrt(Hz); consumer gyros have 0.003 to 0.06
   constexpr double kQuietest = 2e-4;  // the best MEMS gyros have 0.001
+  // Consumer gyros have up to 0.06 deg/s/sqrt(Hz), noisy ones of wide range levels up to 75 deg/s.
+  constexpr double kNoisy = 0.1;
+  constexpr double kFurthest = 15.0;
   const double root_period = std::sqrt(static_cast<double>(block_.mean_period.ns()) * 1e-9);
   double quietest = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < block_.axis_count; ++axis) {
     if (axes_[axis].white_sigmas.empty()) continue;
     const double noise = statistics::median_of(axes_[axis].white_sigmas) * root_period * kDegPerRad;
+    const double level = std::abs(axes_[axis].reference_rad_s.value_or(0.0)) * kDegPerRad;
     if (noise > kNoisiest) {
       return RestDoubt{doubt::kUnit, fmt::format("the noise of axis {} is {:.3g} deg/s/sqrt(Hz), "
                                                  "and no gyro at rest has more than {:g}: "
@@ -159,6 +163,15 @@ std::optional<RestDoubt> RestCheck::doubt_of_unit() const {
                                                  "in motion? --columns and --units name "
                                                  "another unit",
                                                  name(axis), noise, kNoisiest)};
+    }
+    if (noise > kNoisy && level > kFurthest) {
+      return RestDoubt{
+          doubt::kUnit,
+          fmt::format(
+              "axis {} has a level of {:.3g} deg/s and noise of {:.3g} deg/s/sqrt(Hz), both "
+              "beyond those of gyros: degrees named radians? --columns and --units name "
+              "another unit",
+              name(axis), level, noise)};
     }
     if (noise > 0.0) quietest = std::min(quietest, noise);
   }

@@ -13,9 +13,9 @@
 namespace zerorate::identify {
 namespace {
 
-constexpr std::array kDoubts{doubt::kCounts, doubt::kUnit,   doubt::kMotion,
-                             doubt::kAngles, doubt::kPeriod, doubt::kSensors,
-                             doubt::kFrozen, doubt::kBias,   doubt::kTruncation};
+constexpr std::array kDoubts{doubt::kCounts, doubt::kUnit,      doubt::kMotion, doubt::kAngles,
+                             doubt::kPeriod, doubt::kSensors,   doubt::kFrozen, doubt::kCopies,
+                             doubt::kBias,   doubt::kTruncation};
 
 }  // namespace
 

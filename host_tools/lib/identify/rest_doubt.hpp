@@ -19,6 +19,7 @@ inline constexpr std::string_view kAngles = "angles";
 inline constexpr std::string_view kPeriod = "period";
 inline constexpr std::string_view kSensors = "sensors";
 inline constexpr std::string_view kFrozen = "frozen";
+inline constexpr std::string_view kCopies = "copies";
 inline constexpr std::string_view kBias = "bias";
 inline constexpr std::string_view kTruncation = "truncation";
 }  // namespace doubt

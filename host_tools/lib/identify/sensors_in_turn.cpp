@@ -170,12 +170,13 @@ std::optional<std::string> sensors_in_turn(const RestSamples& samples) {
       }
       return fmt::format(
           "axis {}: every {} sample has a level of its own, {:.3g} deg/s from the others: {} "
-          "sensors in one file? One of them is read by --where COLUMN=VALUE",
+          "sensors in one file{}? One of them is read by --where COLUMN=VALUE",
           samples.axis_name(axis),
           sensors == 2   ? "second"
           : sensors == 3 ? "third"
                          : "fourth",
-          distance_rad_s * units::kDegPerRad, sensors);
+          distance_rad_s * units::kDegPerRad, sensors,
+          sensors == 2 ? ", or a tone near half the rate of the rows" : "");
     }
   }
   return std::nullopt;

@@ -75,11 +75,34 @@ void OrderedRows::fill() {
         judged_ -= std::exchange(begin_, 0);
       }
       NumberedRow read;
-      if (rows_.next(read)) ahead_.push_back(read);
+      if (!rows_.next(read)) break;
+      ahead_.push_back(read);
+      expect_one_time_line(read);
     }
     if (judged_ == ahead_.size()) return;
     judge_next();
   }
+}
+
+void OrderedRows::expect_one_time_line(const NumberedRow& row) {
+  turns_.add(row.row.time_ns);
+  if (turns_.run_back_between_bursts()) {
+    throw Error{{name_, row.line},
+                "stamps of bursts that run backwards again and again: the clock begins again while "
+                "a burst is read",
+                "stamps that advance, or begin again after many bursts",
+                "--rows-at HZ reads the rows without their stamps."};
+  }
+  if (!turns_.are_there()) return;
+  std::string columns;
+  for (const std::string& name : ignored_columns())
+    columns += fmt::format("{}{}", columns.empty() ? ", where COLUMN is one of " : ", ", name);
+  throw Error{{name_, row.line},
+              "rows that take turns, each with a time line of its own: several sensors in one file",
+              "stamps of one sensor",
+              fmt::format("One of them is picked by --where COLUMN=VALUE{}; rows of one sensor in "
+                          "the order of the file are read by --rows-at HZ.",
+                          columns)};
 }
 
 void OrderedRows::judge_next() {

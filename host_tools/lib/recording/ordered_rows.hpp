@@ -12,6 +12,7 @@
 
 #include "host_tools/lib/recording/row_source.hpp"
 #include "host_tools/lib/recording/rows_ahead.hpp"
+#include "host_tools/lib/recording/stamps_in_turn.hpp"
 
 namespace zerorate::recording {
 
@@ -31,8 +32,8 @@ inline constexpr std::int64_t kPauseAtClockStep_ns = 2'000'000'000;
 ///   after a pause.
 ///
 /// Memory: two times kSortedRows rows, taken at once. Throws Error where the clock steps in more
-/// than one row of fifty, or stamps
-/// stray in as many.
+/// than one row of fifty, or stamps stray in as many, and where rows of several time lines take
+/// turns (StampsInTurn).
 class OrderedRows : public RowSource {
  public:
   /// @param name  of the recording, for messages
@@ -51,6 +52,8 @@ class OrderedRows : public RowSource {
 
  private:
   void fill();
+  /// Throws Error where rows take turns.
+  void expect_one_time_line(const NumberedRow& row);
   void judge_next();
   void judge_backwards();
   [[nodiscard]] bool is_wrap();
@@ -87,6 +90,7 @@ class OrderedRows : public RowSource {
   std::uint64_t steps_ = 0;
   std::uint64_t measured_at_ = 0;  ///< number of the row at which the period was measured
   std::uint64_t line_ = 0;
+  StampsInTurn turns_;
   LeftOut left_out_;
 };
 

@@ -263,9 +263,8 @@ Counts try_recordings(std::uint64_t first, std::uint64_t count) {
 }
 
 /// The aim is 0 wrong recordings. The seeds of the ordinary run (1 to 200) meet it, and not all
-/// others do, so the slow run allows 1 %. Of the seeds up to 2000 three are wrong, and not mended:
-/// two sensors in one file whose stamps were spoiled before (917, 1273), and one that errs by 10.2
-/// % (415).
+/// others do, so the slow run allows 1 %: two sensors in one file, some of whose rows were lost
+/// before or after, and a counter whose rounded stamps begin again.
 TEST(AnyRecording, HasFiguresThatAreRightOrIsRefused) {
   const std::uint64_t recordings = zerorate::testing::repetitions(40);
   const std::uint64_t most_wrong = recordings > 200 ? recordings / 100 : 0;

@@ -206,6 +206,45 @@ TEST(TwoClocksInTurn, AreRefused) {
   EXPECT_THAT(stamps.complaint(), HasSubstr("--where"));
 }
 
+/// Rows whose stamps are those of these functions of the row's number.
+std::string complaint_of(double (*stamp_s)(int)) {
+  Stamps stamps;
+  for (int k = 0; k < 6'000; ++k) stamps.add(stamp_s(k));
+  return stamps.complaint();
+}
+
+TEST(TwoSensorsInTurn, AreRefusedWhereEachHasATimeLine) {
+  constexpr const char* kReason = "each with a time line of its own";
+  // Bursts of 20 rows of each, and rows of which one of three was lost.
+  EXPECT_THAT(complaint_of([](int k) { return 0.2 * (k / 40) + (k % 2 == 0 ? 0.0 : 0.003); }),
+              HasSubstr(kReason));
+  EXPECT_THAT(complaint_of([](int k) {
+                const int row = k + k / 2;
+                return 0.2 * (row / 40) + (row % 2 == 0 ? 0.0 : 0.003);
+              }),
+              HasSubstr(kReason));
+  // Two and three clocks that are 13 and 26 periods apart, and a bit.
+  EXPECT_THAT(complaint_of([](int k) { return 0.01 * (k / 2) + (k % 2 == 0 ? 0.133 : 0.0); }),
+              HasSubstr(kReason));
+  EXPECT_THAT(complaint_of([](int k) { return 0.01 * (k / 3) + 0.132 * (k % 3); }),
+              HasSubstr(kReason));
+  EXPECT_THAT(complaint_of([](int k) { return 0.01 * (k / 2) + (k % 2 == 0 ? 8.0 : 0.0); }),
+              HasSubstr(kReason));
+}
+
+TEST(CounterThatBeginsAgainInEachBurst, IsRefused) {
+  EXPECT_THAT(complaint_of([](int k) { return std::fmod(2.54 * (k / 254), 4.294967296); }),
+              HasSubstr("while a burst is read"));
+}
+
+TEST(PairsInTheWrongOrder, AreSorted) {
+  EXPECT_EQ(complaint_of([](int k) { return 0.01 * (k % 2 == 0 ? k + 1 : k - 1); }), "");
+  EXPECT_EQ(complaint_of([](int k) {
+              return 0.01 * (k % 7 == 3 ? k + 1 : k % 7 == 4 ? k - 1 : k);
+            }),
+            "");
+}
+
 TEST(PeriodOfTheSamples, IsDoubtedWhereNoGyroHasIt) {
   EXPECT_EQ(doubt_of_period(1'000'000'000), "");
   EXPECT_EQ(doubt_of_period(31'250), "");
