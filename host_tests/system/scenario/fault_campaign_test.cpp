@@ -29,8 +29,8 @@ constexpr double kTurnOn_rad_s = 0.01 * kDps;
 struct Campaign {
   std::size_t drives = 0;
   std::uint64_t first = testing::first_seed(1);  ///< number of the first drive, which is its seed
-  bool warms = false;                           ///< a fifth of the sensors warm up
-  bool expects_warmth = false;                  ///< the model has a table [warm_up]
+  bool warms = false;                            ///< a fifth of the sensors warm up
+  bool expects_warmth = false;                   ///< the model has a table [warm_up]
   /// Instead of the odometer an accelerometer shows when the vehicle stands. A steady turn that
   /// begins and ends without a jolt is left out: nothing tells it from a bias.
   bool by_accelerometer = false;
