@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <utility>
@@ -205,6 +206,36 @@ TEST(StopLearningOfASensorLouderThanItsModel, FindsNoTurnAtFirst) {
       ASSERT_FALSE(learning.odometer_disagrees()) << "stop " << stop << ", sample " << sample;
     }
   }
+}
+
+/// Number of means that a minute of swaying by 2 deg/s about a rate teaches, where a bias of zero
+/// is predicted to 0.06 deg/s.
+int lessons_of_swaying(float about_rad_s) {
+  Learning learning{kStandstill, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F};
+  White white{1e-12F, {}, kTick, true};
+  const White::Rates predicted{};
+  int lessons = 0;
+  for (std::int64_t sample = 0; sample < 6000; ++sample) {
+    const Instant at = at_ms(10 * sample);
+    const float phase = 2.0F * 3.14159265F * static_cast<float>(sample % 300) / 300.0F;
+    const float rate = about_rad_s + 2.0F * kRadPerDeg * std::sin(phase);
+    const bool begins_tick = learning.begin_sample(at);
+    if (begins_tick) {
+      learning.close_tick({}, &predicted, 1e-6F, white, [](const TickMean<3>& mean) {
+        return Tick{mean, false};
+      });
+      learning.enter_tick(at);
+    }
+    learning.add(at, begins_tick, {rate, rate, rate}, [] { return true; });
+    learning.confirm_at(at);
+    while (learning.confirmed() > 0) lessons += learning.take_confirmed().is_sway ? 1 : 0;
+  }
+  return lessons;
+}
+
+TEST(StopLearningOfASwayingVehicle, TakesAMeanThatThePredictionAllows) {
+  EXPECT_EQ(lessons_of_swaying(0.0F), 1);
+  EXPECT_EQ(lessons_of_swaying(1.0F * kRadPerDeg), 0);
 }
 
 }  // namespace
