@@ -233,7 +233,7 @@ int lessons_of_swaying(float about_rad_s) {
   return lessons;
 }
 
-TEST(StopLearningOfASwayingVehicle, TakesAMeanThatThePredictionAllows) {
+TEST(StopLearningOfASwayingVehicle, TakesAMeanNearThePrediction) {
   EXPECT_EQ(lessons_of_swaying(0.0F), 1);
   EXPECT_EQ(lessons_of_swaying(1.0F * kRadPerDeg), 0);
 }
