@@ -72,6 +72,17 @@ TEST(ForceWitnessOfAnEngine, CountsItAsRestBesideAnOdometer) {
   }
 }
 
+TEST(ForceWitnessAfterAnEngine, NoLongerAllowsForIt) {
+  ForceWitness witness;
+  const auto window = [&](float mean_g, float vibration_g) {
+    witness.add({{mean_g, mean_g, 1.0F}, vibration_g * vibration_g, kReadings});
+    return witness.close(!kAlone);
+  };
+  for (int k = 0; k < 40; ++k) (void)window(0.0F, 0.5F);
+  for (int k = 0; k < 10; ++k) (void)window(0.0F, 0.0F);
+  EXPECT_EQ(window(0.01F, 0.0F), RestVerdict::motion);
+}
+
 TEST(ForceWitnessWithoutReadings, SaysNothing) {
   ForceWitness witness;
   (void)motions(witness, 100, 0.002, kAlone, [](int) { return 0.0; });

@@ -51,6 +51,13 @@ TEST(SwayMean, HasAnErrorThatHoldsTheBiasOfABoat) {
   EXPECT_LE(beyond_two, 400 / 22);
 }
 
+// Parts of 6 s with the means 2.75, 8.75, ... 44.75, whose squared deviations add up to 36 x 42.
+TEST(SwayMean, IsThatOfAllTicksWithTheVarianceOfItsParts) {
+  const SwayMean<1> sway = mean_of([](double t) { return t; });
+  EXPECT_FLOAT_EQ(sway.mean_rad_s()[0], 23.75F);
+  EXPECT_FLOAT_EQ(sway.variance_rad2_s2(), 36.0F * 42.0F / 7.0F);
+}
+
 TEST(SwayMean, DoesNotTakeATurnForSway) {
   EXPECT_TRUE(mean_of([](double t) { return 0.3 + std::sin(t); }).sways());
   // A roundabout, and a bend that ends.
