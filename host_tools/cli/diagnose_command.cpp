@@ -218,12 +218,13 @@ void write_results(const DiagnoseOptions& options, const std::vector<Diagnosis>&
                    const std::vector<std::string>& doubts) {
   const std::string recording = file_name(options.recording);
   if (!options.outputs.report.empty()) {
-    report::Report report = diagnose::make_report(
-        diagnoses, {.title = "Diagnosis of " + recording,
-                    .recording = recording,
-                    .provenance = fmt::format("zerorate {}, zerorate diagnose {}", ZERORATE_VERSION,
-                                              recording)});
-    if (drives) diagnose::add_drives(report, *drives, diagnoses);
+    report::Report report =
+        diagnose::make_report(diagnoses,
+                              {.title = "Diagnosis of " + recording,
+                               .recording = recording,
+                               .provenance = fmt::format("zerorate {}, zerorate diagnose {}",
+                                                         ZERORATE_VERSION, recording)},
+                              drives ? &*drives : nullptr);
     if (odometer) diagnose::add_odometer(report, *odometer);
     report.write(options.outputs.report);
   }

@@ -122,7 +122,7 @@ void print_verdicts(const std::vector<Diagnosis>& diagnoses,
                     diagnose::causes_in_words(diagnosis)});
   }
   if (drives != nullptr) {
-    rows.push_back({"drives", std::string(diagnose::name(drives->verdict)), "-",
+    rows.push_back({"drives", diagnose::verdict_in_words(*drives), "-",
                     diagnose::drift_in_words(*drives), diagnose::causes_in_words(*drives)});
   }
   fmt::print("{}", aligned(rows));

@@ -20,12 +20,13 @@ class ScaleFactorError final : public MotionEffect {
   }
   [[nodiscard]] MotionDescription describe(const MotionFinding& finding) const override {
     const Estimate percent = with_slopes(finding.coefficients.front(), finding.freedom) * 100.0;
-    return {
-        .parameters = {percent.parameter("scale_factor_error_percent")},
-        .sentence = fmt::format(
-            "Each turn is measured too {}, by {:.3g} % [{:.3g}, {:.3g}] of it: an error of the "
-            "scale factor.",
-            percent.value < 0.0 ? "small" : "large", percent.value, percent.lo(), percent.hi())};
+    const bool is_small = percent.value < 0.0;
+    return {.parameters = {percent.parameter("scale_factor_error_percent")},
+            .sentence = fmt::format(
+                "Each turn is measured too {}, by {:.3g} % [{:.3g}, {:.3g}] of it: an error of the "
+                "scale factor.",
+                is_small ? "small" : "large", std::abs(percent.value),
+                is_small ? -percent.hi() : percent.lo(), is_small ? -percent.lo() : percent.hi())};
   }
   std::string add_to_model(const MotionFinding& finding, model::SensorModel& model) const override {
     const Estimate error = with_slopes(finding.coefficients.front(), finding.freedom);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host_tools/lib/diagnose/presentation/presentation.hpp"
+#include "host_tools/lib/statistics/statistics.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::diagnose {
@@ -26,31 +27,41 @@ std::string rivals_in_words(const Cause& cause) {
              : fmt::format(" These drives cannot decide: it is one of {}.", fmt::join(names, ", "));
 }
 
+/// One dot a drive.
+template <class Figure, class Value>
+report::Series dots(std::string name, report::Colour colour, const std::vector<DrivePoint>& points,
+                    const Figure& figure, const Value& value_rad) {
+  report::Series series{
+      .name = std::move(name), .style = report::SeriesStyle::points, .colour = colour};
+  for (const DrivePoint& point : points) {
+    series.x.push_back(figure(point));
+    series.y.push_back(value_rad(point) * kDegPerRad);
+  }
+  return series;
+}
+
+double error_of(const DrivePoint& point) {
+  return point.error_rad;
+}
+
 /// Errors over a figure of the drives, and what the causes explain of them.
 template <class Figure>
 report::Chart chart_over(const DriveDiagnosis& drives, std::string title, report::Axis x,
                          const Figure& figure) {
+  const bool is_explained = drives.causes_of_errors() > 0;
   report::Chart chart{.title = std::move(title),
-                      .caption =
-                          "Each point is a drive between two true stops: its error, and the "
-                          "share of the causes. What lies between them is left.",
+                      .caption = "Each black dot is the error at the end of a drive.",
                       .x = std::move(x),
                       .y = {"Heading error", "deg"}};
-  report::Series error{
-      .name = "error", .style = report::SeriesStyle::points, .colour = report::Colour::ink};
-  report::Series share{.name = "by the causes",
-                       .style = report::SeriesStyle::points,
-                       .colour = report::Colour::blue};
   std::vector<DrivePoint> points = drives.points;
   std::ranges::sort(points, {}, figure);
-  for (const DrivePoint& point : points) {
-    error.x.push_back(figure(point));
-    error.y.push_back(point.error_rad * kDegPerRad);
-    share.x.push_back(figure(point));
-    share.y.push_back(point.share_rad * kDegPerRad);
-  }
-  chart.series.push_back(std::move(error));
-  if (drives.causes_of_errors() > 0) chart.series.push_back(std::move(share));
+  chart.series.push_back(dots("error", report::Colour::ink, points, figure, error_of));
+  if (!is_explained) return chart;
+  chart.caption +=
+      " The blue dot above or below it is what the causes predict for the same drive: the nearer "
+      "the two, the better the drive is explained.";
+  chart.series.push_back(dots("predicted by the causes", report::Colour::blue, points, figure,
+                              [](const DrivePoint& point) { return point.share_rad; }));
   return chart;
 }
 
@@ -60,6 +71,58 @@ report::Axis departures_from_first(const DriveDiagnosis& drives) {
   return {.label = "Departure after the first one",
           .unit = "s",
           .origin = first == drives.points.end() ? 0.0 : first->departure_s};
+}
+
+/// Errors of the drives in their order, before and after the causes are taken off, and what noise,
+/// bias and reference let expect.
+report::Chart before_and_after(const DriveDiagnosis& drives) {
+  report::Chart chart{.title = "Heading error drive by drive.",
+                      .caption =
+                          "What noise, bias and reference leave of a drive lies in the grey "
+                          "band in 95 % of the drives.",
+                      .x = departures_from_first(drives),
+                      .y = {"Heading error", "deg"}};
+  const auto departure = [](const DrivePoint& point) { return point.departure_s; };
+  std::vector<DrivePoint> points = drives.points;
+  std::ranges::sort(points, {}, departure);
+  report::Series expected{.name = "95 % without a cause", .colour = report::Colour::grey};
+  for (const DrivePoint& point : points) {
+    const double reach = statistics::kHalfWidth95 * point.sigma_rad * kDegPerRad;
+    expected.x.push_back(departure(point));
+    expected.y.push_back(0.0);
+    expected.lo.push_back(-reach);
+    expected.hi.push_back(reach);
+  }
+  chart.series.push_back(std::move(expected));
+  chart.series.push_back(dots("error", report::Colour::ink, points, departure, error_of));
+  if (drives.causes_of_errors() == 0) return chart;
+  chart.series.push_back(
+      dots("left without the causes", report::Colour::blue, points, departure,
+           [](const DrivePoint& point) { return point.error_rad - point.share_rad; }));
+  return chart;
+}
+
+std::string percent_of(const BootstrapFigure& share) {
+  return fmt::format("{:.0f} %", 100.0 * share.value);
+}
+
+std::vector<report::KeyFigure> key_figures(const DriveDiagnosis& drives) {
+  std::vector<report::KeyFigure> figures{
+      {"Verdict", verdict_in_words(drives),
+       fmt::format("{} drives about axis {}", drives.drives, drives.vertical)}};
+  for (const Cause& cause : drives.causes) {
+    figures.push_back({"Cause", plain_name(cause.effect),
+                       fmt::format("{:.0f} % sure", 100.0 * cause.probability)});
+  }
+  const DriveGain& gain = drives.gain;
+  if (gain.held_out == 0) return figures;
+  const std::string before = in_figures(gain.rms_before_deg.value) + "°";
+  const std::string after = in_figures(gain.rms_after_deg.value) + "°";
+  figures.push_back({"Heading error", before == after ? before : before + " → " + after,
+                     fmt::format("rms of {} drives held out", gain.held_out)});
+  figures.push_back({"Interval coverage", percent_of(gain.coverage95_after),
+                     "nominal 95 %; " + percent_of(gain.coverage95_before) + " before"});
+  return figures;
 }
 
 report::Table cost_table(std::span<const Diagnosis> axes, const DriveDiagnosis& drives) {
@@ -167,20 +230,20 @@ std::vector<Cost> causes_by_cost(std::span<const Diagnosis> axes, const DriveDia
 void add_drives(report::Report& report, const DriveDiagnosis& drives,
                 std::span<const Diagnosis> axes) {
   auto& section = report.section("Drives: " + verdict_in_words(drives));
+  if (!drives.points.empty()) section.key_figures(key_figures(drives));
   section.paragraph(in_words(drives));
   for (const std::string& remark : drives.remarks) section.paragraph(remark);
   if (drives.points.empty()) return;
   if (!causes_by_cost(axes, drives).empty()) section.table(cost_table(axes, drives));
   if (!drives.causes.empty()) section.table(figures_table(drives));
   section
-      .chart(chart_over(drives, "Heading error over the turn", {"Turn", "deg"},
+      .chart(chart_over(drives, "Heading error over the turn.", {"Turn", "deg"},
                         [](const DrivePoint& point) { return point.turn_rad * kDegPerRad; }))
-      .chart(chart_over(drives, "Heading error over the time in motion", {"Time in motion", "s"},
+      .chart(chart_over(drives, "Heading error over the time in motion.", {"Time in motion", "s"},
                         [](const DrivePoint& point) { return point.moving_s; }))
-      .chart(chart_over(drives, "Heading error over the speed", {"Mean speed", "m/s"},
+      .chart(chart_over(drives, "Heading error over the speed.", {"Mean speed", "m/s"},
                         [](const DrivePoint& point) { return point.metres / point.moving_s; }))
-      .chart(chart_over(drives, "Heading error drive by drive", departures_from_first(drives),
-                        [](const DrivePoint& point) { return point.departure_s; }));
+      .chart(before_and_after(drives));
 }
 
 }  // namespace zerorate::diagnose

@@ -100,10 +100,12 @@ struct ReportText {
 /// Report of each axis: the verdict in words, the causes and their parameters, Allan deviation and
 /// density over what the models simulate, the effect over the data, the evidence, what the
 /// extension buys, and the extended model with the commands that run it.
-[[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text);
+/// @param drives  a section before those of the axes; nullptr: not examined
+[[nodiscard]] report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text,
+                                         const DriveDiagnosis* drives = nullptr);
 
-/// Adds a section of the drives: causes of rest and motion by their cost, and the errors over the
-/// turns, the time and the way with what the causes explain of them.
+/// Adds a section of the drives: causes of rest and motion by their cost, the errors over the
+/// turns, the time and the speed with what the causes predict, and each drive before and after.
 void add_drives(report::Report& report, const DriveDiagnosis& drives,
                 std::span<const Diagnosis> axes);
 

@@ -218,7 +218,7 @@ constexpr std::string_view kLead =
     "is "
     "the better model worth?";
 
-report::Table verdict_table(std::span<const Diagnosis> axes) {
+report::Table verdict_table(std::span<const Diagnosis> axes, const DriveDiagnosis* drives) {
   report::Table table{
       .caption =
           "Causes in the order of what they cost the heading, each with the probability that "
@@ -229,14 +229,22 @@ report::Table verdict_table(std::span<const Diagnosis> axes) {
     table.rows.push_back(
         {axis.axis, verdict_in_words(axis), causes_in_words(axis), drift_in_words(axis)});
   }
+  if (drives != nullptr) {
+    table.rows.push_back(
+        {"drives", verdict_in_words(*drives), causes_in_words(*drives), drift_in_words(*drives)});
+  }
   return table;
 }
 
 }  // namespace
 
-report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text) {
+report::Report make_report(std::span<const Diagnosis> axes, const ReportText& text,
+                           const DriveDiagnosis* drives) {
   report::Report report{text.title, std::string(kLead)};
-  if (axes.size() > 1) report.section("Verdicts").table(verdict_table(axes));
+  if (axes.size() > 1 || drives != nullptr) {
+    report.section("Verdicts").table(verdict_table(axes, drives));
+  }
+  if (drives != nullptr) add_drives(report, *drives, axes);
   for (const Diagnosis& axis : axes) add_axis(report, axis, text);
   report.provenance(text.provenance);
   return report;
