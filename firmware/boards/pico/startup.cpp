@@ -48,10 +48,12 @@ constexpr Vectors make_vectors() {
 }  // namespace
 
 // Read by boot2, which knows it by its name: enough to reach start() or fault().
+// NOLINTBEGIN(cppcoreguidelines-pro-bounds-array-to-pointer-decay)
 extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit BootVectors vectors{
     stack_top, {start, fault, fault}};
+// NOLINTEND(cppcoreguidelines-pro-bounds-array-to-pointer-decay)
 
 // Read by the processor from start() on, also while the flash is no memory; a variable, so that it
 // stands in RAM (pico.ld.in).
-// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables,cert-err58-cpp)
 [[gnu::section(".vectors_in_ram"), gnu::used]] constinit Vectors vectors_in_ram = make_vectors();

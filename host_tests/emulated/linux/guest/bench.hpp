@@ -93,14 +93,16 @@ class Bench {
     if (!(parameter << device << std::flush)) give_up(kParameter);
   }
 
-  /// Lines of a gyro of the kernel, as a user copies them.
+  /// Lines of a gyro of the kernel, as a user copies them: those that are indented below [gyro].
   static std::string lines_of_probe() {
     (void)std::system("zerorate probe >/run/probe.txt");
     const std::string text = content_of("/run/probe.txt");
     std::fputs(text.c_str(), stdout);
     const std::string header = "[gyro]\n";
     const std::size_t begin = text.find(header);
-    return begin == std::string::npos ? text : text.substr(begin + header.size());
+    if (begin == std::string::npos) return text;
+    const std::size_t end = text.find("\niio:device", begin);
+    return text.substr(begin + header.size(), end - begin - header.size()) + "\n";
   }
 
   void write_configuration(const GyroSetup& gyro) const {

@@ -133,7 +133,6 @@ TEST(TurnSum, GoesOnOverAStopThatNothingWasLearntFrom) {
   EXPECT_NEAR(vehicle.angle_deg(), 120.0, 0.3);
 }
 
-/// Verifies SR-HEAD-03.
 TEST(TurnSum, CountsATurnBeforeTheMotionWasNoticedOnce) {
   Vehicle vehicle{kPerfect};
   vehicle.run(20.0, 0.0F, false);
@@ -145,6 +144,7 @@ TEST(TurnSum, CountsATurnBeforeTheMotionWasNoticedOnce) {
   EXPECT_NEAR(vehicle.angle_deg(), 0.0, 0.2);
 }
 
+/// Verifies SR-HEAD-03.
 TEST(TurnSum, HasTheErrorOfTheScaleFactorAndOfTheAsymmetry) {
   constexpr MotionModel kModel{.scale_factor = 0.01F, .asymmetry = 0.002F};
   Vehicle vehicle{kModel};
