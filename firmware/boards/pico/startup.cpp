@@ -55,5 +55,5 @@ extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit BootVectors v
 
 // Read by the processor from start() on, also while the flash is no memory; a variable, so that it
 // stands in RAM (pico.ld.in).
-// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables,cert-err58-cpp)
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 [[gnu::section(".vectors_in_ram"), gnu::used]] constinit Vectors vectors_in_ram = make_vectors();
