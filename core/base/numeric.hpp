@@ -96,7 +96,6 @@ namespace detail {
 /// maths library too wherever errno counts.
 [[nodiscard]] inline float square_root_by_instruction(float x) {
   float root;  // NOLINT(cppcoreguidelines-init-variables): the instruction writes it
-  // NOLINTBEGIN(hicpp-no-assembler)
 #if defined(__SSE2__)
   asm("sqrtss %1, %0" : "=x"(root) : "x"(x));
 #elif defined(__aarch64__)
@@ -106,7 +105,6 @@ namespace detail {
 #else
   asm("fsqrt.s %0, %1" : "=f"(root) : "f"(x));
 #endif
-  // NOLINTEND(hicpp-no-assembler)
   return root;
 }
 }  // namespace detail

@@ -48,10 +48,8 @@ constexpr Vectors make_vectors() {
 }  // namespace
 
 // Read by boot2, which knows it by its name: enough to reach start() or fault().
-// NOLINTBEGIN(cppcoreguidelines-pro-bounds-array-to-pointer-decay)
 extern "C" [[gnu::section(".vectors"), gnu::used]] const constinit BootVectors vectors{
     stack_top, {start, fault, fault}};
-// NOLINTEND(cppcoreguidelines-pro-bounds-array-to-pointer-decay)
 
 // Read by the processor from start() on, also while the flash is no memory; a variable, so that it
 // stands in RAM (pico.ld.in).
