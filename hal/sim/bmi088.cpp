@@ -93,7 +93,8 @@ core::Duration SimulatedBmi088::sample_period() const {
   return core::Duration::nanoseconds(std::llround(1e9 / kHz[registers_[gyro_bandwidth] & 7U]));
 }
 
-void SimulatedBmi088::measure(const std::array<core::AngularRate, 3>& rate, core::Temperature) {
+void SimulatedBmi088::measure(const std::array<core::AngularRate, 3>& rate,
+                              core::Temperature /*none*/) {
   if (!is_powered()) return;
   const double dps_per_lsb = 2000.0 / std::exp2(15.0 + (registers_[gyro_range] & 7U));
   const double transient_dps = start_up_transient_dps(clock_->now() - reset_until_, kTurnOnTime);
