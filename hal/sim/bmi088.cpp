@@ -94,7 +94,7 @@ core::Duration SimulatedBmi088::sample_period() const {
 }
 
 void SimulatedBmi088::measure(const std::array<core::AngularRate, 3>& rate,
-                              core::Temperature /*none*/) {
+                              core::Temperature /*temperature*/) {
   if (!is_powered()) return;
   const double dps_per_lsb = 2000.0 / std::exp2(15.0 + (registers_[gyro_range] & 7U));
   const double transient_dps = start_up_transient_dps(clock_->now() - reset_until_, kTurnOnTime);
