@@ -162,9 +162,10 @@ std::pair<Column, Column> tone_columns(const FitData& data, double cycles) {
   }
   const double half = 0.5 * std::numbers::pi * place / n;
   const double x = 0.5 * std::numbers::pi * place;
-  const std::complex<double> even = std::polar(std::sin(x) / std::sqrt(2.0 * n), half * (n - 1.0));
+  const double root = std::sqrt(2.0 * n);
+  const std::complex<double> even = std::sin(x) / root * std::polar(1.0, half * (n - 1.0));
   const std::complex<double> odd =
-      std::polar(std::cos(x) / std::sqrt(2.0 * n), half * (n - 1.0) + 0.5 * std::numbers::pi);
+      std::cos(x) / root * std::polar(1.0, half * (n - 1.0) + 0.5 * std::numbers::pi);
   constexpr std::size_t kReach = 32'768;
   const auto centre = static_cast<std::size_t>(place);
   const std::size_t first = centre > kReach ? centre - kReach : 1;
