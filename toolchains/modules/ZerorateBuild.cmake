@@ -48,8 +48,6 @@ target_compile_options(zerorate_flags INTERFACE
   "$<$<CONFIG:Dev>:${ZERORATE_WARNINGS_OF_O2}>"
   ${ZERORATE_ARITHMETIC_OPTIONS} $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 target_include_directories(zerorate_flags INTERFACE "${PROJECT_SOURCE_DIR}")
-# The standard library checks indices and iterators where nothing is released.
-target_compile_definitions(zerorate_flags INTERFACE $<$<CONFIG:Dev,Debug>:_GLIBCXX_ASSERTIONS>)
 if(ZERORATE_SANITIZE)
   # Sizes of objects are left to the address sanitizer, which sees the real ones: that check takes a sixth of the compiler's
   # time.
