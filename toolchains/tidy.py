@@ -4,7 +4,8 @@
 usage: tidy.py [--jobs N] BUILD_FOLDER [FILE...]
 
 Compile flags come from BUILD_FOLDER/compile_commands.json, of a build that compiles file by file. Its precompiled
-headers are left out: a file that forgets an include fails here. Each .cpp answers for the headers of its folder too.
+headers are left out: a file that forgets an include fails here, unless one that is read before it has that include. Each
+.cpp answers for the headers of its folder too.
 The headers of a folder are read together as one translation unit, and so are the hosted sources of a folder and target,
 because most of the time goes into what they include. That costs two checks, of unused aliases and using-declarations,
 which look only at the main file. The analyzer is asked to look at headers.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "host_tools/lib/identify/rest_doubt.hpp"
 #include "host_tools/lib/identify/rest_samples.hpp"

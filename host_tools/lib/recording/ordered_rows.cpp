@@ -6,7 +6,9 @@
 #include <array>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/time.hpp"
 #include "host_tools/lib/recording/error.hpp"
@@ -94,15 +96,14 @@ void OrderedRows::expect_one_time_line(const NumberedRow& row) {
                 "--rows-at HZ reads the rows without their stamps."};
   }
   if (!turns_.are_there()) return;
-  std::string columns;
-  for (const std::string& name : ignored_columns())
-    columns += fmt::format("{}{}", columns.empty() ? ", where COLUMN is one of " : ", ", name);
-  throw Error{{name_, row.line},
-              "rows that take turns, each with a time line of its own: several sensors in one file",
-              "stamps of one sensor",
-              fmt::format("One of them is picked by --where COLUMN=VALUE{}; rows of one sensor in "
-                          "the order of the file are read by --rows-at HZ.",
-                          columns)};
+  const std::vector<std::string> columns = ignored_columns();
+  throw Error{
+      {name_, row.line},
+      "rows that take turns, each with a time line of its own: several sensors in one file",
+      "stamps of one sensor",
+      fmt::format("One of them is picked by --where COLUMN=VALUE{}{}; rows of one sensor in "
+                  "the order of the file are read by --rows-at HZ.",
+                  columns.empty() ? "" : ", where COLUMN is one of ", fmt::join(columns, ", "))};
 }
 
 void OrderedRows::judge_next() {

@@ -35,6 +35,8 @@ Instant at_ms(std::int64_t ms) {
 struct Vehicle {
   Learning learning{kStandstill, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F};
   std::vector<std::pair<std::uint32_t, bool>> learnt{};  ///< ticks, and whether each begins a stop
+  int sways = 0;                                         ///< means of swaying among them
+  const White::Rates* predicted_rad_s = nullptr;  ///< predicted to 0.06 deg/s; nullptr: nothing is
 
   White white{1e-12F, {}, kTick, true};
 
@@ -42,7 +44,7 @@ struct Vehicle {
     const Instant at = at_ms(ms);
     const bool begins_tick = learning.begin_sample(at);
     if (begins_tick) {
-      learning.close_tick({}, nullptr, 0.0F, white, [](const TickMean<3>& mean) {
+      learning.close_tick({}, predicted_rad_s, 1e-6F, white, [](const TickMean<3>& mean) {
         return Tick{mean, false};
       });
       learning.enter_tick(at);
@@ -57,6 +59,7 @@ struct Vehicle {
       const Tick tick = learning.take_confirmed();
       white.observe(tick);
       learnt.emplace_back(tick.tick, tick.begins_stop);
+      sways += tick.is_sway ? 1 : 0;
     }
   }
   void samples(std::int64_t from_ms, std::int64_t to_ms, float rate_rad_s = 0.0F) {
@@ -211,26 +214,13 @@ TEST(StopLearningOfASensorLouderThanItsModel, FindsNoTurnAtFirst) {
 /// Number of means that a minute of swaying by 2 deg/s about a rate teaches, where a bias of zero
 /// is predicted to 0.06 deg/s.
 int lessons_of_swaying(float about_rad_s) {
-  Learning learning{kStandstill, OdometerCheckParams{}, kTick, kSamplePeriod, 1e-12F};
-  White white{1e-12F, {}, kTick, true};
   const White::Rates predicted{};
-  int lessons = 0;
-  for (std::int64_t sample = 0; sample < 6000; ++sample) {
-    const Instant at = at_ms(10 * sample);
-    const float phase = 2.0F * 3.14159265F * static_cast<float>(sample % 300) / 300.0F;
-    const float rate = about_rad_s + 2.0F * kRadPerDeg * std::sin(phase);
-    const bool begins_tick = learning.begin_sample(at);
-    if (begins_tick) {
-      learning.close_tick({}, &predicted, 1e-6F, white, [](const TickMean<3>& mean) {
-        return Tick{mean, false};
-      });
-      learning.enter_tick(at);
-    }
-    learning.add(at, begins_tick, {rate, rate, rate}, [] { return true; });
-    learning.confirm_at(at);
-    while (learning.confirmed() > 0) lessons += learning.take_confirmed().is_sway ? 1 : 0;
+  Vehicle vehicle{.predicted_rad_s = &predicted};
+  for (std::int64_t ms = 0; ms < 60'000; ms += 10) {
+    const float phase = 2.0F * 3.14159265F * static_cast<float>(ms % 3'000) / 3'000.0F;
+    vehicle.sample(ms, about_rad_s + 2.0F * kRadPerDeg * std::sin(phase));
   }
-  return lessons;
+  return vehicle.sways;
 }
 
 TEST(StopLearningOfASwayingVehicle, TakesAMeanNearThePrediction) {

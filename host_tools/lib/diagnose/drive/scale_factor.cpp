@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "host_tools/lib/diagnose/drive/motion_effect.hpp"
 #include "host_tools/lib/units/units.hpp"
 
@@ -21,12 +19,12 @@ class ScaleFactorError final : public MotionEffect {
   [[nodiscard]] MotionDescription describe(const MotionFinding& finding) const override {
     const Estimate percent = with_slopes(finding.coefficients.front(), finding.freedom) * 100.0;
     const bool is_small = percent.value < 0.0;
+    const Estimate size = percent * (is_small ? -1.0 : 1.0);
     return {.parameters = {percent.parameter("scale_factor_error_percent")},
             .sentence = fmt::format(
                 "Each turn is measured too {}, by {:.3g} % [{:.3g}, {:.3g}] of it: an error of the "
                 "scale factor.",
-                is_small ? "small" : "large", std::abs(percent.value),
-                is_small ? -percent.hi() : percent.lo(), is_small ? -percent.lo() : percent.hi())};
+                is_small ? "small" : "large", size.value, size.lo(), size.hi())};
   }
   std::string add_to_model(const MotionFinding& finding, model::SensorModel& model) const override {
     const Estimate error = with_slopes(finding.coefficients.front(), finding.freedom);
