@@ -14,16 +14,17 @@ namespace zerorate::identify {
 namespace {
 
 /// Samples end to end.
-struct Stretch {
+struct BlockOfBursts {
   double duration_ns = 0.0;
   double samples = 0.0;
 };
 
 /// Blocks of some samples at least that end with a burst: the intervals within one were made by the
 /// reader, and are equal but for rounding.
-std::vector<Stretch> blocks_of_bursts(std::span<const core::Instant> times, std::size_t samples) {
+std::vector<BlockOfBursts> blocks_of_bursts(std::span<const core::Instant> times,
+                                            std::size_t samples) {
   constexpr std::int64_t kOneOf = 10'000;
-  std::vector<Stretch> blocks;
+  std::vector<BlockOfBursts> blocks;
   std::size_t first = 0;
   std::int64_t before_ns = 0;
   for (std::size_t k = 1; k < times.size(); ++k) {
@@ -86,13 +87,13 @@ struct Unevenness {
 
 Unevenness unevenness_of_bursts(std::span<const core::Instant> times, std::size_t samples,
                                 std::size_t fewest_blocks) {
-  const std::vector<Stretch> blocks = blocks_of_bursts(times, samples);
+  const std::vector<BlockOfBursts> blocks = blocks_of_bursts(times, samples);
   if (blocks.size() < fewest_blocks) return {};
   std::vector<double> scaled;
-  for (const Stretch& block : blocks) scaled.push_back(block.duration_ns / block.samples);
+  for (const BlockOfBursts& block : blocks) scaled.push_back(block.duration_ns / block.samples);
   const double interval_ns = statistics::median_of(std::move(scaled));
   scaled.clear();
-  for (const Stretch& block : blocks) {
+  for (const BlockOfBursts& block : blocks) {
     scaled.push_back((block.duration_ns - block.samples * interval_ns) / std::sqrt(block.samples));
   }
   return {.share = variance_about(0.0, std::move(scaled)) / (interval_ns * interval_ns),

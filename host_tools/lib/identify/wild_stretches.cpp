@@ -12,33 +12,33 @@ namespace zerorate::identify {
 namespace {
 
 /// Samples of half a second, from the first one on.
-struct Stretch {
+struct HalfSecond {
   std::size_t first = 0;
   std::size_t end = 0;
 
   [[nodiscard]] double size() const { return static_cast<double>(end - first); }
 };
 
-std::vector<Stretch> stretches_of(const RestSamples& samples) {
+std::vector<HalfSecond> stretches_of(const RestSamples& samples) {
   constexpr std::int64_t kFewestSamples = 4;
   const core::Duration length =
       std::max(core::Duration::milliseconds(500), samples.mean_period * kFewestSamples);
-  std::vector<Stretch> stretches;
+  std::vector<HalfSecond> stretches;
   core::Instant end;
   for (std::size_t k = 0; k < samples.time.size(); ++k) {
     if (k == 0 || samples.time[k] >= end) {
       end = samples.time[k] + length;
-      stretches.push_back({k, k});
+      stretches.push_back({.first = k, .end = k});
     }
     stretches.back().end = k + 1;
   }
   return stretches;
 }
 
-std::vector<double> means_of(const std::vector<Stretch>& stretches, const RestSamples& samples,
+std::vector<double> means_of(const std::vector<HalfSecond>& stretches, const RestSamples& samples,
                              std::size_t axis) {
   std::vector<double> means;
-  for (const Stretch& one : stretches) {
+  for (const HalfSecond& one : stretches) {
     double sum = 0.0;
     for (std::size_t k = one.first; k < one.end; ++k) sum += double{samples.rate_rad_s[k][axis]};
     means.push_back(sum / one.size());
@@ -62,7 +62,7 @@ std::vector<std::size_t> find_wild_stretches(const RestSamples& samples) {
   constexpr std::size_t kFewest = 64;
   constexpr double kSigmas = 10.0;
   constexpr double kMost = 0.05;
-  const std::vector<Stretch> stretches = stretches_of(samples);
+  const std::vector<HalfSecond> stretches = stretches_of(samples);
   if (stretches.size() < kFewest) return {};
   const double usual_size =
       static_cast<double>(samples.time.size()) / static_cast<double>(stretches.size());
