@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "core/base/numeric.hpp"
 
@@ -73,12 +74,13 @@ class RoundingWatch {
   using Rates = std::array<float, Axes>;
 
   struct State {
-    Rates newest_rad_s{};             ///< newest sample
-    Rates shown_rad2_s2{};            ///< variance of a sample by differences of neighbours at rest
-    Rates variance_rad2_s2{};         ///< variance of the error of the mean
-    float least_change_rad_s = 0.0F;  ///< least difference of two neighbours; 0: there was none
-    std::uint16_t differences = 0;    ///< differences that `shown_rad2_s2` is the mean of
-    std::uint8_t changes = 0;         ///< differences so far, at most kFewestChanges
+    Rates newest_rad_s{};           ///< newest sample
+    Rates shown_rad2_s2{};          ///< variance of a sample by differences of neighbours at rest
+    Rates variance_rad2_s2{};       ///< variance of the error of the mean
+    float well_below_rad_s = 0.0F;  ///< three quarters of the step that was seen; 0: none was
+    float smaller_rad_s = 0.0F;     ///< largest of the differences below that
+    std::uint16_t differences = 0;  ///< differences that `shown_rad2_s2` is the mean of
+    std::uint8_t smaller = 0;       ///< number of the differences below that
     bool has_newest = false;
 
     constexpr bool operator==(const State&) const = default;
@@ -96,7 +98,8 @@ class RoundingWatch {
   [[nodiscard]] static bool is_possible(const State& state) {
     return are_plausible(state.newest_rad_s) && are_plausible_variances(state.shown_rad2_s2) &&
            are_plausible_variances(state.variance_rad2_s2) &&
-           is_plausible_variance(state.least_change_rad_s) && state.changes <= kFewestChanges &&
+           is_plausible_variance(state.well_below_rad_s) &&
+           is_plausible_variance(state.smaller_rad_s) && state.smaller < kFewestSmaller &&
            is_bool(state.has_newest);
   }
 
@@ -132,8 +135,7 @@ class RoundingWatch {
 
   /// Step of the samples: the model's or the one that was seen, the larger of them; 0: unknown.
   [[nodiscard]] constexpr float step_rad_s() const {
-    const bool is_seen = state_.changes == kFewestChanges;
-    return std::max(model_.step_rad_s, is_seen ? state_.least_change_rad_s : 0.0F);
+    return std::max(model_.step_rad_s, state_.well_below_rad_s * (1.0F / kWellBelow));
   }
   /// Variance of the error that averaging leaves in the bias of an axis.
   [[nodiscard]] constexpr float variance_rad2_s2(std::size_t axis) const {
@@ -141,7 +143,8 @@ class RoundingWatch {
   }
 
  private:
-  static constexpr std::uint8_t kFewestChanges = 16;
+  static constexpr std::uint8_t kFewestSmaller = 8;
+  static constexpr float kWellBelow = 0.75F;     ///< of a step; of 2 steps one is below it
   static constexpr std::uint32_t kWindows = 64;  ///< memory: half a minute
 
   /// Before the first window at rest, as after a restart, the noise of the model has to do.
@@ -150,16 +153,18 @@ class RoundingWatch {
     const float step = step_rad_s();
     state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F, 0.0F));
   }
+  /// The step is smaller than was thought once eight differences are: a bit that flips on the bus
+  /// makes one or two of any size.
   constexpr void take_change(float signed_change) {
     const float change = signed_change < 0.0F ? -signed_change : signed_change;
     // Most changes end here.
-    if (state_.changes == kFewestChanges && change >= state_.least_change_rad_s) return;
+    if (state_.well_below_rad_s > 0.0F && change > state_.well_below_rad_s) return;
     if (change == 0.0F) return;
-    const float step = step_rad_s();
-    const bool is_least = state_.changes == 0 || change < state_.least_change_rad_s;
-    if (state_.changes < kFewestChanges) ++state_.changes;
-    if (is_least) state_.least_change_rad_s = change;
-    if (step_rad_s() != step) estimate_without_rest();
+    state_.smaller_rad_s = std::max(state_.smaller_rad_s, change);
+    if (++state_.smaller < kFewestSmaller) return;
+    state_.well_below_rad_s = kWellBelow * std::exchange(state_.smaller_rad_s, 0.0F);
+    state_.smaller = 0;
+    estimate_without_rest();
   }
   /// @param newest_rad_s  newest sample of the axis
   [[nodiscard]] constexpr float variance(float step, float shown, float newest_rad_s) const {

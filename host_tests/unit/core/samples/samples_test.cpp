@@ -286,6 +286,22 @@ TEST(RoundingWatch, SeesTheStepOfNoisySamples) {
   EXPECT_EQ(watch_of_rest({}, 1.0F, 0.3F, 1.0F).step_rad_s(), 1.0F);
   EXPECT_EQ(watch_of_rest({}, 1.0F, 0.0F, 0.01F).step_rad_s(), 0.0F);
 }
+TEST(RoundingWatch, KeepsItsStepThroughSamplesWithAFlippedBit) {
+  RoundingWatch<1> watch = watch_of_rest({}, 0.01F, 0.3F, 0.1F);
+  ASSERT_EQ(watch.step_rad_s(), 1.0F);
+  for (const float sample : {0.0F, 0.125F, 0.0F, 0.0F, 1.0F, 1.125F, 1.0F, 1.0F}) {
+    watch.take({sample});
+  }
+  EXPECT_EQ(watch.step_rad_s(), 1.0F);
+}
+// Changes by many steps come first, and those by one step sooner or later.
+TEST(RoundingWatchOfManySteps, FindsTheSmallestWithinSeconds) {
+  RoundingWatch<1> watch{{}, 100.0F};
+  std::mt19937 random(6);
+  std::normal_distribution<float> noise{0.0F, 10.0F};
+  for (int k = 0; k < 1000; ++k) watch.take({std::round(noise(random))});
+  EXPECT_EQ(watch.step_rad_s(), 1.0F);
+}
 TEST(RoundingWatchOfNoiseBeyondAStep, AddsNothing) {
   EXPECT_EQ(watch_of_rest({}, 1.0F, 0.3F, 1.0F).variance_rad2_s2(0), 0.0F);
 }
