@@ -55,8 +55,9 @@ struct Rounding {
 /// Watches the samples of a gyro for their step, and says how far the mean of rounded samples may
 /// lie from the rate (docs/design/sample-model.md).
 ///
-/// The step is the least difference between two neighbouring samples, at rest and while driving. It
-/// counts after sixteen differences.
+/// The step is the least difference between two neighbouring samples, at rest and while driving. A
+/// smaller one counts once eight differences are below three quarters of the step before: a bit
+/// that flips on the bus makes one or two of any size.
 ///
 /// At rest, samples on two neighbouring levels with the variance v have a mean that is
 /// m = sqrt(step^2 / 4 - v) from the border between these levels, and the rate lies between the
@@ -153,8 +154,6 @@ class RoundingWatch {
     const float step = step_rad_s();
     state_.variance_rad2_s2.fill(variance(step, step > 0.0F ? white_ : 0.0F, 0.0F));
   }
-  /// The step is smaller than was thought once eight differences are: a bit that flips on the bus
-  /// makes one or two of any size.
   constexpr void take_change(float signed_change) {
     const float change = signed_change < 0.0F ? -signed_change : signed_change;
     // Most changes end here.

@@ -1,8 +1,10 @@
 """The memory of clang-tidy's results: what has not changed costs nothing, and what changed is looked at again."""
 
+import collections
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -109,6 +111,30 @@ class SourcesOfOneTarget(Project):
                     self.write(self.root, source, offender)
                     self.assertEqual(self.outcome(), (1, "2 files: 0 unchanged since they were clean, 2 with findings"))
                     self.write(self.root, source, "")
+
+
+def types_of_two_sources(root):
+    """Names of types that two sources of one folder of host_tools define: {(folder, name): sources}."""
+    sources = collections.defaultdict(list)
+    for path in sorted((root / "host_tools").rglob("*.cpp")):
+        for name in re.findall(r"^(?:struct|class|enum(?: class)?) (\w+)[^;]*\{$", path.read_text(), re.MULTILINE):
+            sources[path.parent.relative_to(root).as_posix(), name].append(path.name)
+    return {key: files for key, files in sources.items() if len(files) > 1}
+
+
+class SourcesOfOneFolder(unittest.TestCase):
+    """The same name in two anonymous namespaces compiles file by file, and not where the files are read together."""
+
+    def test_share_no_name_of_a_type(self):
+        self.assertEqual(types_of_two_sources(REPOSITORY), {})
+
+    def test_that_share_one_are_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "host_tools/lib").mkdir(parents=True)
+            for name in ("a.cpp", "b.cpp"):
+                (root / "host_tools/lib" / name).write_text("namespace {\nstruct Block {\n};\n}\n", encoding="utf-8")
+            self.assertEqual(types_of_two_sources(root), {("host_tools/lib", "Block"): ["a.cpp", "b.cpp"]})
 
 
 class HeadersOfOneFolder(Project):

@@ -13,8 +13,9 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 endif()
 # Fixed-size kernels are smaller and faster at -O2 than at -Os or -O3 (docs/adr).
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
-# The sanitizers at -O0 take several times as long; of the symbols they need the lines only.
-set(CMAKE_CXX_FLAGS_DEBUG "-O1 -g1")
+# The sanitizers at -O0 take several times as long; of the symbols they need the lines only. The library checks indices
+# and arguments as well.
+set(CMAKE_CXX_FLAGS_DEBUG "-O1 -g1 -D_GLIBCXX_ASSERTIONS")
 # Daily work: compiled in two thirds of the time, and fast enough for the tests. GCC collects its garbage later, which
 # costs up to 400 MB of memory a compiler and saves 5 to 10 % of its time.
 set(CMAKE_CXX_FLAGS_DEV "-O1 -DNDEBUG")

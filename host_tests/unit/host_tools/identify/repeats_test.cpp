@@ -16,10 +16,11 @@ using ::testing::IsEmpty;
 RestSamples polled(double polls_hz, double sigma_in_steps, std::size_t axes = 1) {
   constexpr std::int64_t kSeconds = 60;
   std::mt19937_64 random{23};
-  std::normal_distribution<double> noise{0.0, sigma_in_steps};
+  std::normal_distribution<double> noise;
   std::vector<std::array<float, 3>> measured(50 * kSeconds);
   for (auto& rates : measured) {
-    for (std::size_t i = 0; i < axes; ++i) rates[i] = static_cast<float>(std::round(noise(random)));
+    for (std::size_t i = 0; i < axes; ++i)
+      rates[i] = static_cast<float>(std::round(sigma_in_steps * noise(random)));
   }
   RestSamples samples{.axis_count = axes};
   samples.sample_period = core::Duration::nanoseconds(std::llround(1e9 / polls_hz));
