@@ -145,7 +145,7 @@ class RoundingWatch {
 
  private:
   static constexpr std::uint8_t kFewestSmaller = 8;
-  static constexpr float kWellBelow = 0.75F;     ///< of a step; of 2 steps one is below it
+  static constexpr float kWellBelow = 0.75F;     ///< share of a step; half a step is below it
   static constexpr std::uint32_t kWindows = 64;  ///< memory: half a minute
 
   /// Before the first window at rest, as after a restart, the noise of the model has to do.

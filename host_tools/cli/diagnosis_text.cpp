@@ -112,7 +112,7 @@ void print_diagnosis(const Diagnosis& diagnosis, bool is_verbose) {
 void print_verdicts(const std::vector<Diagnosis>& diagnoses,
                     const diagnose::DriveDiagnosis* drives) {
   std::vector<std::vector<std::string>> rows{
-      {"axis", "verdict", "for the heading", "heading drift, held out", "causes"}};
+      {"axis", "verdict", "for the heading", "heading error, held out", "causes"}};
   for (const Diagnosis& diagnosis : diagnoses) {
     const std::string_view matters = diagnosis.verdict == diagnose::Verdict::unexplained
                                          ? diagnose::matter_in_words(diagnosis.is_material())
@@ -136,7 +136,7 @@ void print_drives(const diagnose::DriveDiagnosis& drives, const std::vector<Diag
   for (const diagnose::Cause& cause : drives.causes) print_cause(cause, is_verbose);
   if (drives.causes_of_errors() > 0) {
     const diagnose::DriveGain& gain = drives.gain;
-    fmt::print("\n  on {} drives held out, without the causes and with them\n", gain.held_out);
+    fmt::print("\n  on {} drives that the correction was not fitted to\n", gain.held_out);
     print_estimate("heading error before, deg rms", gain.rms_before_deg);
     print_estimate("heading error after, deg rms", gain.rms_after_deg);
     print_estimate("coverage of 95 %, before", gain.coverage95_before);

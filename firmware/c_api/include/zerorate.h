@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file
  * zerorate for vehicle firmware written in C: the bias of a gyro, learnt whenever the vehicle

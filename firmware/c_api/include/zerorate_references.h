@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file
  * References of the heading for vehicle firmware written in C: they teach the scale factor of the

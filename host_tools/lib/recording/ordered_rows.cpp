@@ -134,7 +134,7 @@ void OrderedRows::judge_backwards() {
   const bool is_within_reach = given_ == 0 || earliest_until(end) >= given_ns_;
   const bool is_soon = judged_ - later <= kSoon && end < ahead_.size() && end - judged_ <= kSoon;
   if (!(is_within_reach && is_soon) && leave_out_stray(later, end)) return;
-  if (is_within_reach && (is_soon || fills_a_hole(later, end))) {
+  if (is_within_reach && (is_soon || fills_a_hole(later, end)) && !counts_again(later, end)) {
     sort(later, end);
   } else {
     step_clock();
@@ -218,6 +218,23 @@ bool OrderedRows::fills_a_hole(std::size_t later, std::size_t end) const {
   for (std::size_t k = later; k < judged_; ++k) rows += ahead_[k].row.time_ns <= until_ns ? 1U : 0U;
   const double room = static_cast<double>(until_ns - earliest_ns) / static_cast<double>(period_ns_);
   return static_cast<double>(rows) <= 1.5 * room + 8.0;
+}
+
+/// A clock set back, or a leap second, gives each stamp twice, in order. A buffer that is written
+/// twice has the same rates, too.
+bool OrderedRows::counts_again(std::size_t later, std::size_t end) const {
+  const std::size_t late = end - judged_;
+  if (late <= kMostStray) return false;
+  const auto stamp = [&](std::size_t k) { return on_time_line(ahead_[k].row); };
+  for (std::size_t k = judged_ + 1; k < end; ++k) {
+    if (stamp(k) <= stamp(k - 1)) return false;
+  }
+  std::size_t there = 0;
+  for (std::size_t k = later; k < judged_ && ahead_[k].row.time_ns <= stamp(end - 1); ++k) {
+    if (ahead_[k].row.rate_rad_s == ahead_[judged_].row.rate_rad_s) return false;
+    ++there;
+  }
+  return 4 * there >= 3 * late;
 }
 
 bool OrderedRows::continues(std::int64_t from_ns, std::int64_t to_ns, std::size_t rows) const {

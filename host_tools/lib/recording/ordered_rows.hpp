@@ -26,7 +26,8 @@ inline constexpr std::int64_t kPauseAtClockStep_ns = 2'000'000'000;
 /// Judges each stamp that is before the latest one, by the rows around it:
 ///
 /// - a counter of 16, 24 or 32 bits that began again (`counter_wrapped`) counts on;
-/// - rows that came late, or in blocks, go where their stamps belong (`time_sorted`);
+/// - rows that came late, or in blocks, go where their stamps belong (`time_sorted`), unless the
+///   rows of that time are there already;
 /// - one to three rows with a stamp far from those of their neighbours are left out;
 /// - else the clock was set back, or the logger began again (`clock_step`): the time line goes on
 ///   after a pause.
@@ -67,6 +68,7 @@ class OrderedRows : public RowSource {
   /// First judged row that is later than this.
   [[nodiscard]] std::size_t first_later(std::int64_t time_ns) const;
   [[nodiscard]] bool fills_a_hole(std::size_t later, std::size_t end) const;
+  [[nodiscard]] bool counts_again(std::size_t later, std::size_t end) const;
   [[nodiscard]] bool leave_out_stray(std::size_t later, std::size_t end);
   void leave_out(std::size_t first, std::size_t end);
   void sort(std::size_t later, std::size_t end);

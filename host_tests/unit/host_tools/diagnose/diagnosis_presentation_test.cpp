@@ -114,7 +114,7 @@ TEST(HeadingDriftInWords, NamesAnUnchangedFigureOnce) {
   Diagnosis diagnosis = explained_by_a_walk();
   EXPECT_EQ(drift_in_words(diagnosis), "6.9 to 5.2 deg in 300 s");
   diagnosis.gain.heading_drift_base_deg.value = 5.2004;
-  EXPECT_EQ(drift_in_words(diagnosis), "5.2 deg in 300 s with both");
+  EXPECT_EQ(drift_in_words(diagnosis), "5.2 deg in 300 s");
 }
 
 TEST(DiagnosisInWords, SaysThatNothingChanges) {
@@ -137,7 +137,7 @@ TEST(CausesByCost, BeginWithWhatTheHeadingDriftsBy) {
                        .probability = 0.93,
                        .heading_drift_ratio = BootstrapFigure{.value = 0.7, .lo = 0.6, .hi = 0.8}}};
   EXPECT_EQ(causes_in_words(diagnosis),
-            "rate random walk (93 %), rate ramp (97 %), quantization (100 %)");
+            "rate random walk (93 % sure), rate ramp (97 % sure), quantization (100 % sure)");
   const std::array axes{diagnosis};
   const auto json = nlohmann::json::parse(to_json(axes));
   EXPECT_EQ(json.at("causes").at(0).at("name"), "quantization");

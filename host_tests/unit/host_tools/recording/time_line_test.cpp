@@ -107,6 +107,28 @@ TEST(ClockSetBack, GoesOnAfterAPause) {
   EXPECT_EQ(reading.findings.first_line(Finding::clock_step), 102U);
 }
 
+TEST(LeapSecond, IsNotMixedWithTheSecondAfterIt) {
+  for (const double back_s : {0.5, 1.0, 1.5}) {
+    Stamps stamps;
+    stamps.add_even(100.0, 0.1, 30);
+    stamps.add_even(103.0 - back_s, 0.1, 30);
+    const auto reading = stamps.read();
+    EXPECT_EQ(reading.findings.count(Finding::clock_step), 1U) << back_s;
+    EXPECT_EQ(reading.findings.count(Finding::time_sorted), 0U) << back_s;
+    for (std::size_t k = 0; k < 60; ++k) EXPECT_EQ(reading.rates[k], static_cast<long>(k));
+  }
+}
+
+TEST(BufferThatIsWrittenTwice, CountsOnce) {
+  Stamps stamps;
+  stamps.add_even(100.0, 0.1, 30);
+  for (int k = 22; k < 30; ++k) stamps.add(100.0 + 0.1 * k, k);
+  for (int k = 30; k < 60; ++k) stamps.add(100.0 + 0.1 * k, k);
+  const auto reading = stamps.read();
+  EXPECT_EQ(reading.findings.count(Finding::clock_step), 0U);
+  EXPECT_EQ(reading.rates.size(), 60U);
+}
+
 TEST(RowThatCameLate, StandsWhereItsStampBelongs) {
   Stamps stamps;
   for (const double time_s : {0.0, 0.1, 0.3, 0.4, 0.2, 0.5}) stamps.add(time_s);

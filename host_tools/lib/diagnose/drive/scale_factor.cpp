@@ -23,8 +23,9 @@ class ScaleFactorError final : public MotionEffect {
     return {.parameters = {percent.parameter("scale_factor_error_percent")},
             .sentence = fmt::format(
                 "Each turn is measured too {}, by {:.3g} % [{:.3g}, {:.3g}] of it: an error of the "
-                "scale factor.",
-                is_small ? "small" : "large", size.value, size.lo(), size.hi())};
+                "scale factor. The rate times {:.5g} is right.",
+                is_small ? "small" : "large", size.value, size.lo(), size.hi(),
+                1.0 / (1.0 + 0.01 * percent.value))};
   }
   std::string add_to_model(const MotionFinding& finding, model::SensorModel& model) const override {
     const Estimate error = with_slopes(finding.coefficients.front(), finding.freedom);

@@ -44,22 +44,19 @@ double error_of(const DrivePoint& point) {
   return point.error_rad;
 }
 
+const report::Axis kErrorAxis{"Heading error, gyro less reference", "deg"};
+
 /// Errors over a figure of the drives, and what the causes explain of them.
 template <class Figure>
-report::Chart chart_over(const DriveDiagnosis& drives, std::string title, report::Axis x,
-                         const Figure& figure) {
-  const bool is_explained = drives.causes_of_errors() > 0;
-  report::Chart chart{.title = std::move(title),
-                      .caption = "Each black dot is the error at the end of a drive.",
-                      .x = std::move(x),
-                      .y = {"Heading error", "deg"}};
+report::Chart chart_over(const DriveDiagnosis& drives, std::string title, std::string caption,
+                         report::Axis x, const Figure& figure) {
+  report::Chart chart{
+      .title = std::move(title), .caption = std::move(caption), .x = std::move(x), .y = kErrorAxis};
   std::vector<DrivePoint> points = drives.points;
   std::ranges::sort(points, {}, figure);
   chart.series.push_back(dots("error", report::Colour::ink, points, figure, error_of));
-  if (!is_explained) return chart;
-  chart.caption +=
-      " The blue dot above or below it is what the causes predict for the same drive: the nearer "
-      "the two, the better the drive is explained.";
+  if (drives.causes_of_errors() == 0) return chart;
+  chart.caption += " Blue is what the causes predict for the same drive.";
   chart.series.push_back(dots("predicted by the causes", report::Colour::blue, points, figure,
                               [](const DrivePoint& point) { return point.share_rad; }));
   return chart;
@@ -76,16 +73,16 @@ report::Axis departures_from_first(const DriveDiagnosis& drives) {
 /// Errors of the drives in their order, before and after the causes are taken off, and what noise,
 /// bias and reference let expect.
 report::Chart before_and_after(const DriveDiagnosis& drives) {
-  report::Chart chart{.title = "Heading error drive by drive.",
-                      .caption =
-                          "What noise, bias and reference leave of a drive lies in the grey "
-                          "band in 95 % of the drives.",
-                      .x = departures_from_first(drives),
-                      .y = {"Heading error", "deg"}};
+  report::Chart chart{
+      .title = "Heading error drive by drive.",
+      .caption = "Grey: where noise, bias and reference alone put 95 % of the drives.",
+      .x = departures_from_first(drives),
+      .y = kErrorAxis};
   const auto departure = [](const DrivePoint& point) { return point.departure_s; };
   std::vector<DrivePoint> points = drives.points;
   std::ranges::sort(points, {}, departure);
-  report::Series expected{.name = "95 % without a cause", .colour = report::Colour::grey};
+  report::Series expected{.name = "95 % by noise, bias and reference",
+                          .colour = report::Colour::grey};
   for (const DrivePoint& point : points) {
     const double reach = statistics::kHalfWidth95 * point.sigma_rad * kDegPerRad;
     expected.x.push_back(departure(point));
@@ -97,7 +94,7 @@ report::Chart before_and_after(const DriveDiagnosis& drives) {
   chart.series.push_back(dots("error", report::Colour::ink, points, departure, error_of));
   if (drives.causes_of_errors() == 0) return chart;
   chart.series.push_back(
-      dots("left without the causes", report::Colour::blue, points, departure,
+      dots("left after correction", report::Colour::blue, points, departure,
            [](const DrivePoint& point) { return point.error_rad - point.share_rad; }));
   return chart;
 }
@@ -118,18 +115,22 @@ std::vector<report::KeyFigure> key_figures(const DriveDiagnosis& drives) {
   if (gain.held_out == 0) return figures;
   const std::string before = in_figures(gain.rms_before_deg.value) + "°";
   const std::string after = in_figures(gain.rms_after_deg.value) + "°";
-  figures.push_back({"Heading error", before == after ? before : before + " → " + after,
-                     fmt::format("rms of {} drives held out", gain.held_out)});
-  figures.push_back({"Interval coverage", percent_of(gain.coverage95_after),
-                     "nominal 95 %; " + percent_of(gain.coverage95_before) + " before"});
+  figures.push_back(
+      {"Heading error", before == after ? before : before + " → " + after,
+       fmt::format("rms of {} drives that the correction was not fitted to", gain.held_out)});
+  figures.push_back(
+      {"Coverage of the node's interval", percent_of(gain.coverage95_after),
+       fmt::format("of these drives, nominal 95 %; {} before, by an interval that has "
+                   "room for the tolerances of the model",
+                   percent_of(gain.coverage95_before))});
   return figures;
 }
 
 report::Table cost_table(std::span<const Diagnosis> axes, const DriveDiagnosis& drives) {
   report::Table table{
       .caption =
-          "Causes of rest and of motion in the order of what they cost the heading: its error "
-          "with the cause taken off over that without, on data held out.",
+          "Causes at standstill and while driving, the dearest first: heading error after "
+          "correction over that before, on data that the correction was not fitted to.",
       .columns = {{"Cause"}, {"Where"}, {"Ratio"}, {"95 % interval"}}};
   for (const Cost& cost : causes_by_cost(axes, drives)) {
     const auto& ratio = cost.cause->heading_drift_ratio;
@@ -142,7 +143,7 @@ report::Table cost_table(std::span<const Diagnosis> axes, const DriveDiagnosis& 
 }
 
 report::Table figures_table(const DriveDiagnosis& drives) {
-  report::Table table{.caption = "Causes in motion and their figures.",
+  report::Table table{.caption = "Causes while driving, with their figures.",
                       .columns = {{"Cause"}, {"Parameter"}, {"Value"}, {"95 % interval"}}};
   for (const Cause& cause : drives.causes) {
     for (const Parameter& parameter : cause.parameters) {
@@ -164,7 +165,7 @@ std::string causes_in_words(const DriveDiagnosis& drives) {
   std::vector<std::string> names;
   for (const Cause& cause : drives.causes) {
     names.push_back(
-        fmt::format("{} ({:.0f} %)", plain_name(cause.effect), 100.0 * cause.probability));
+        fmt::format("{} ({:.0f} % sure)", plain_name(cause.effect), 100.0 * cause.probability));
   }
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
@@ -185,16 +186,15 @@ std::string in_words(const DriveDiagnosis& drives) {
     return text;
   }
   std::string text = fmt::format(
-      "Over {} drives between true stops the heading errs by {} deg rms about axis {}, with the "
-      "bias "
-      "between the stops taken off.",
+      "Over {} drives between true stops the heading errs by {} deg rms about axis {}, after the "
+      "bias of the stops before and after each drive was subtracted.",
       drives.drives, in_figures(drives.rms_rad * kDegPerRad), drives.vertical);
   for (const Cause& cause : drives.causes) {
     if (cause.heading_drift_ratio) text += " " + cause.sentence + rivals_in_words(cause);
   }
   const std::size_t of_errors = drives.causes_of_errors();
   if (of_errors > 0) {
-    text += fmt::format(" Without {} {} deg rms are left.", of_errors == 1 ? "it" : "them",
+    text += fmt::format(" After correction {} deg rms are left.",
                         in_figures(drives.rms_left_rad * kDegPerRad));
   }
   for (const Cause& cause : drives.causes) {
@@ -237,11 +237,19 @@ void add_drives(report::Report& report, const DriveDiagnosis& drives,
   if (!causes_by_cost(axes, drives).empty()) section.table(cost_table(axes, drives));
   if (!drives.causes.empty()) section.table(figures_table(drives));
   section
-      .chart(chart_over(drives, "Heading error over the turn.", {"Turn", "deg"},
+      .chart(chart_over(drives, "Heading error over the turn.",
+                        "A dot is the error at the end of a drive. An error of the scale factor "
+                        "puts the dots on a line through zero.",
+                        {"Turn", "deg"},
                         [](const DrivePoint& point) { return point.turn_rad * kDegPerRad; }))
-      .chart(chart_over(drives, "Heading error over the time in motion.", {"Time in motion", "s"},
+      .chart(chart_over(drives, "Heading error over the time in motion.",
+                        "A bias that is there only in motion puts the dots on a line.",
+                        {"Time in motion", "s"},
                         [](const DrivePoint& point) { return point.moving_s; }))
-      .chart(chart_over(drives, "Heading error over the speed.", {"Mean speed", "m/s"},
+      .chart(chart_over(drives, "Heading error over the speed.",
+                        "A bias that follows the speed or the vibration makes the dots rise or "
+                        "fall.",
+                        {"Mean speed", "m/s"},
                         [](const DrivePoint& point) { return point.metres / point.moving_s; }))
       .chart(before_and_after(drives));
 }

@@ -221,17 +221,16 @@ constexpr std::string_view kLead =
 report::Table verdict_table(std::span<const Diagnosis> axes, const DriveDiagnosis* drives) {
   report::Table table{
       .caption =
-          "Causes in the order of what they cost the heading, each with the probability that "
-          "it is among the causes. Heading drift of the node with the base and with the "
-          "extended model, on data held out.",
-      .columns = {{"Axis"}, {"Verdict"}, {"Causes"}, {"Heading drift"}}};
-  for (const Diagnosis& axis : axes) {
-    table.rows.push_back(
-        {axis.axis, verdict_in_words(axis), causes_in_words(axis), drift_in_words(axis)});
-  }
+          "Causes in the order of what they cost the heading. Heading error of the node before and "
+          "after their correction, on data that the correction was not fitted to.",
+      .columns = {{"Where"}, {"Verdict"}, {"Causes"}, {"Heading error"}}};
   if (drives != nullptr) {
-    table.rows.push_back(
-        {"drives", verdict_in_words(*drives), causes_in_words(*drives), drift_in_words(*drives)});
+    table.rows.push_back({"drives about " + drives->vertical, verdict_in_words(*drives),
+                          causes_in_words(*drives), drift_in_words(*drives)});
+  }
+  for (const Diagnosis& axis : axes) {
+    table.rows.push_back({axis.axis + " at rest", verdict_in_words(axis), causes_in_words(axis),
+                          drift_in_words(axis)});
   }
   return table;
 }

@@ -190,7 +190,7 @@ std::string causes_in_words(const Diagnosis& diagnosis) {
   std::vector<std::string> names;
   for (const Cause* cause : causes_by_cost(diagnosis)) {
     names.push_back(
-        fmt::format("{} ({:.0f} %)", plain_name(cause->effect), 100.0 * cause->probability));
+        fmt::format("{} ({:.0f} % sure)", plain_name(cause->effect), 100.0 * cause->probability));
   }
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
@@ -201,7 +201,7 @@ std::string drift_in_words(const Diagnosis& diagnosis) {
   const std::string base = in_figures(gain.heading_drift_base_deg.value);
   const std::string extended = in_figures(gain.heading_drift_extended_deg.value);
   const std::string drive_s = in_figures(gain.drive_s, 2);
-  if (base == extended) return fmt::format("{} deg in {} s with both", base, drive_s);
+  if (base == extended) return fmt::format("{} deg in {} s", base, drive_s);
   return fmt::format("{} to {} deg in {} s", base, extended, drive_s);
 }
 
@@ -242,6 +242,8 @@ constexpr std::array kUnits{NameOfUnit{"_dps_per_sqrt_hz", "deg/s/sqrt(Hz)"},
                             NameOfUnit{"_degc", "deg C"},
                             NameOfUnit{"_hz", "Hz"},
                             NameOfUnit{"_samples", "samples"},
+                            NameOfUnit{"_percent", "%"},
+                            NameOfUnit{"_deg", "deg"},
                             NameOfUnit{"_s", "s"}};
 
 const NameOfUnit* find_unit(std::string_view name) {
