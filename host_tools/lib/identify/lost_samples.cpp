@@ -89,14 +89,17 @@ Unevenness unevenness_of_bursts(std::span<const core::Instant> times, std::size_
                                 std::size_t fewest_blocks) {
   const std::vector<BlockOfBursts> blocks = blocks_of_bursts(times, samples);
   if (blocks.size() < fewest_blocks) return {};
-  std::vector<double> scaled;
-  for (const BlockOfBursts& block : blocks) scaled.push_back(block.duration_ns / block.samples);
-  const double interval_ns = statistics::median_of(std::move(scaled));
-  scaled.clear();
-  for (const BlockOfBursts& block : blocks) {
-    scaled.push_back((block.duration_ns - block.samples * interval_ns) / std::sqrt(block.samples));
-  }
-  return {.share = variance_about(0.0, std::move(scaled)) / (interval_ns * interval_ns),
+  const auto of_blocks = [&](const auto& figure) {
+    std::vector<double> figures(blocks.size());
+    std::ranges::transform(blocks, figures.begin(), figure);
+    return figures;
+  };
+  const double interval_ns = statistics::median_of(
+      of_blocks([](const BlockOfBursts& block) { return block.duration_ns / block.samples; }));
+  std::vector<double> deviations = of_blocks([&](const BlockOfBursts& block) {
+    return (block.duration_ns - block.samples * interval_ns) / std::sqrt(block.samples);
+  });
+  return {.share = variance_about(0.0, std::move(deviations)) / (interval_ns * interval_ns),
           .error = std::sqrt(2.0 / static_cast<double>(blocks.size())),
           .interval_ns = interval_ns};
 }

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "host_tools/lib/truth/delayed.hpp"
 #include "host_tools/lib/truth/heading_jumps.hpp"
+#include "host_tools/lib/truth/headings_at_stops.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::truth {
@@ -109,12 +111,15 @@ void find_drives(const Track& track, Truth& truth) {
     };
     const auto turn = turned(drive.from_ns, drive.to_ns);
     const auto on_the_way = turned(drive.way_from_ns(), drive.way_to_ns());
-    if (!turn || !on_the_way || !heading.covers(drive.from_ns, drive.to_ns, longest_ns)) {
+    const bool is_watched = !truth.has_headings_at_stops_only;
+    if (!turn || !on_the_way ||
+        (is_watched && !heading.covers(drive.from_ns, drive.to_ns, longest_ns))) {
       drive.flaw = Flaw::heading_missing;
     } else {
       drive.turn_rad = *turn;
       drive.way_turn_rad = *on_the_way;
-      if (jumps.has_between(drive.from_ns, drive.to_ns)) drive.flaw = Flaw::heading_jump;
+      const bool has_jump = is_watched && jumps.has_between(drive.from_ns, drive.to_ns);
+      if (has_jump) drive.flaw = Flaw::heading_jump;
     }
     truth.drives.push_back(drive);
   }
@@ -221,6 +226,8 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
     const auto usable_ns = static_cast<std::int64_t>(options.usable_from_s * 1e9);
     std::erase_if(truth.stops, [&](const Stop& stop) { return stop.to_ns < usable_ns; });
   }
+  truth.has_headings_at_stops_only = are_at_stops(track, truth);
+  if (truth.has_headings_at_stops_only) keep_stops_with_heading(track.heading_rad, truth.stops);
   truth.error_at_stops_rad = error_at_stops(track.heading_rad, truth.stops);
   truth.reference_error_rad = options.reference_error_rad.value_or(
       std::isfinite(truth.error_at_stops_rad) ? truth.error_at_stops_rad : 0.0);
@@ -235,7 +242,12 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
         kShortestStop_s);
   }
   if (!truth.obstacle.empty()) return truth;
-  const auto vertical = options.vertical ? options.vertical : find_vertical_axis(track);
+  std::optional<Track> corrected;
+  if (truth.has_headings_at_stops_only) corrected = without_bias(track, truth.stops);
+  const Track& used = corrected ? *corrected : track;
+  const auto vertical = options.vertical ? options.vertical
+                        : corrected      ? axis_of_net_turns(used)
+                                         : find_vertical_axis(used);
   if (!vertical) {
     truth.obstacle =
         "the reference turns by less than 30 deg, which does not determine the vertical axis; name "
@@ -247,7 +259,7 @@ Truth find_truth(const Track& track, const TruthOptions& options) {
     throw std::invalid_argument("--vertical-axis: the recording has one axis, x");
   }
   truth.vertical = *vertical;
-  find_drives(track, truth);
+  find_drives(used, truth);
   return truth;
 }
 

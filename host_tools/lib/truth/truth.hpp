@@ -76,6 +76,9 @@ struct TruthOptions {
 
 struct Truth {
   Series heading_rad;
+  /// All headings were measured at stops. A drive is from one heading to the next then, whatever
+  /// stops lie between; the gyro counts whole turns.
+  bool has_headings_at_stops_only = false;
   /// Noise of the reference's speed at rest, and the limit below which it stands [m/s].
   double speed_noise_m_s = 0.0;
   double speed_limit_m_s = 0.0;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <string>
@@ -119,6 +120,51 @@ TEST_F(ReferenceOfADrive, GivesWholeTurnsWithoutItsDelay) {
   ASSERT_EQ(mended.drives.size(), as_it_is.drives.size());
   EXPECT_LT(as_it_is.drives[0].way_turn_rad / kRadPerDeg, 89.0);
   EXPECT_NEAR(mended.drives[0].way_turn_rad / kRadPerDeg, 90.0, 1e-3);
+}
+
+/// Headings at each n-th stop alone, beside a bias of 0.5 deg/s and a scale factor of 1.01.
+std::function<void(double, recording::Row&)> headings_at_each(int n, float heading_rad) {
+  return [=](double time_s, recording::Row& row) {
+    const bool is_parked =
+        static_cast<int>(time_s / 60.0) % n == 0 && std::fmod(time_s, 60.0) < 20.0;
+    row.ref_heading_rad = is_parked ? heading_rad : std::numeric_limits<float>::quiet_NaN();
+    row.rate_rad_s[2] = 1.01F * row.rate_rad_s[2] + 0.5F * static_cast<float>(kRadPerDeg);
+  };
+}
+
+TEST_F(ReferenceOfADrive, MayHaveHeadingsAtStopsOnly) {
+  const Truth found = truth({.spoil = [](double time_s, recording::Row& row) {
+    const bool stands = std::fmod(time_s, 60.0) < 20.0;
+    if (!stands) row.ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
+    row.rate_rad_s[2] += 0.5F * static_cast<float>(kRadPerDeg);
+  }});
+  EXPECT_TRUE(found.has_headings_at_stops_only);
+  EXPECT_EQ(name(found.vertical, 3), "z");
+  ASSERT_EQ(found.drives.size(), 4U);
+  for (const Drive& drive : found.drives) {
+    EXPECT_EQ(drive.flaw, Flaw::none);
+    EXPECT_NEAR(drive.turn_rad / kRadPerDeg, 90.0, 1e-3);
+    EXPECT_NEAR(drive.way_turn_rad / kRadPerDeg, 90.0, 1e-3);
+  }
+}
+
+TEST_F(ReferenceOfADrive, MayBeOnePlaceWhereTheVehicleParks) {
+  const Truth found = truth({.length_s = 1'000.0, .spoil = headings_at_each(4, 0.3F)});
+  EXPECT_TRUE(found.has_headings_at_stops_only);
+  ASSERT_EQ(found.drives.size(), 4U);
+  for (const Drive& drive : found.drives) {
+    EXPECT_EQ(drive.flaw, Flaw::none);
+    EXPECT_NEAR(drive.turn_rad / kRadPerDeg, 360.0, 1e-3) << "counted by the gyro";
+  }
+}
+
+TEST_F(ReferenceOfADrive, HasTheSenseThatFitsTheHeadingsAtStops) {
+  const auto spoil = [](double time_s, recording::Row& row) {
+    const bool stands = std::fmod(time_s, 60.0) < 20.0;
+    if (!stands) row.ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
+  };
+  EXPECT_EQ(name(truth({.axis = 0, .sign = -1.0F, .spoil = spoil}).vertical, 3), "-x");
+  EXPECT_EQ(name(truth({.axis = 1, .spoil = spoil}).vertical, 3), "y");
 }
 
 TEST_F(ReferenceOfADrive, HasALimitOfStandingThatFollowsItsNoise) {

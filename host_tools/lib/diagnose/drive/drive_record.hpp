@@ -50,7 +50,8 @@ struct DriveRecord {
   truth::VerticalAxis vertical;
   std::size_t axis_count = 3;
   bool has_acceleration = false;
-  double reference_sigma_rad = 0.0;  ///< standard deviation of a heading of the reference
+  bool has_headings_at_stops_only = false;  ///< nothing watched the heading on the way
+  double reference_sigma_rad = 0.0;         ///< standard deviation of a heading of the reference
   double way_sigma_rad = 0.0;  ///< standard deviation of what the reference errs by on each way
   std::vector<DriveEvidence> drives;
   std::vector<std::size_t> number;  ///< number of each drive, of which flawed ones are left out

@@ -220,6 +220,7 @@ DriveRecord EvidenceCollector::finish(const evaluate::TrueDrives& drives,
   DriveRecord record{.vertical = truth_.vertical,
                      .axis_count = track_.axis_count,
                      .has_acceleration = has_acceleration_,
+                     .has_headings_at_stops_only = truth_.has_headings_at_stops_only,
                      .reference_sigma_rad = truth_.reference_error_rad / std::numbers::sqrt2,
                      .findings = std::move(findings),
                      .obstacle = truth_.obstacle};
