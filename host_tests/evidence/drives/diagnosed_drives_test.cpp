@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct Hidden {
   double size = 0.0;
   simulate::MotionErrors errors{};
   double per_g_rad_s = 0.0;  ///< sensitivity of z to the force along each axis
+  bool at_stops = false;     ///< the reference measures while the vehicle stands
 };
 
 simulate::MotionErrors scale(double error) {
@@ -50,13 +52,23 @@ std::vector<Hidden> kinds() {
       {"bias_in_motion", "offset_at_10_mps_dps", 0.015, {.offset_rad_s = {offset, offset, offset}}},
       {"g_sensitivity", "along_y_dps_per_g", 0.2, {}, 0.2 * kRadPerDeg},
       {"scale_asymmetry", "scale_asymmetry_percent", 0.3, {.asymmetry = {0.003, 0.003, 0.003}}},
+      {.at_stops = true},
+      {"scale_factor", "scale_factor_error_percent", 1.0, scale(0.01), 0.0, true},
   };
 }
 
 simulate::ScenarioDrive hour_with(const Hidden& hidden, std::uint64_t seed) {
   const double per_g = hidden.per_g_rad_s;
-  return campaign::make_hour(seed, {.errors = hidden.errors, .per_g_rad_s = {per_g, per_g, per_g}})
-      .drive;
+  simulate::ScenarioDrive drive =
+      campaign::make_hour(seed, {.errors = hidden.errors, .per_g_rad_s = {per_g, per_g, per_g}})
+          .drive;
+  if (!hidden.at_stops) return drive;
+  drive.columns.ref_rate = false;
+  for (simulate::ScenarioRow& row : drive.rows) {
+    if (row.row.ref_speed_m_s > 0.01F)
+      row.row.ref_heading_rad = std::numeric_limits<float>::quiet_NaN();
+  }
+  return drive;
 }
 
 /// How often a kind was told rightly.
@@ -155,7 +167,8 @@ TEST_P(HourOfDrives, IsDiagnosed) {
 
 std::string name_of(const ::testing::TestParamInfo<Hidden>& kind) {
   const std::string name = kind.param.name.empty() ? "nothing" : kind.param.name;
-  return fmt::format("{}_{}", name, std::lround(1000.0 * kind.param.size));
+  return fmt::format("{}_{}{}", name, std::lround(1000.0 * kind.param.size),
+                     kind.param.at_stops ? "_at_stops" : "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, HourOfDrives, ::testing::ValuesIn(kinds()), name_of);

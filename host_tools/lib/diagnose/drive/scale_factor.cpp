@@ -23,7 +23,7 @@ class ScaleFactorError final : public MotionEffect {
     return {.parameters = {percent.parameter("scale_factor_error_percent")},
             .sentence = fmt::format(
                 "Each turn is measured too {}, by {:.3g} % [{:.3g}, {:.3g}] of it: an error of the "
-                "scale factor. The rate times {:.5g} is right.",
+                "scale factor. The rate times {:.5f} is right.",
                 is_small ? "small" : "large", size.value, size.lo(), size.hi(),
                 1.0 / (1.0 + 0.01 * percent.value))};
   }
