@@ -300,6 +300,13 @@ void print_doubt_of_rows(const recording::Findings& findings) {
   if (!doubt.empty()) fmt::print("note: {}\n", doubt);
 }
 
+/// "; the longest of 31600 s ends in line 6602"
+std::string longest_interval(const recording::Findings& findings) {
+  return fmt::format("; the longest of {} s ends in line {}",
+                     units::in_figures(units::seconds(findings.longest_interval_ns())),
+                     findings.longest_interval_line());
+}
+
 void print_findings(const recording::Findings& findings) {
   if (!findings.program().empty()) {
     fmt::print("  note: read as a recording of {}\n", findings.program());
@@ -307,8 +314,9 @@ void print_findings(const recording::Findings& findings) {
   for (std::size_t i = 0; i < recording::kFindingCount; ++i) {
     const auto finding = static_cast<recording::Finding>(i);
     if (const auto count = findings.count(finding); count > 0) {
-      fmt::print("  note: {} in {} row{}, first in line {}\n", recording::description(finding),
-                 count, count == 1 ? "" : "s", findings.first_line(finding));
+      fmt::print("  note: {} in {} row{}, first in line {}{}\n", recording::description(finding),
+                 count, count == 1 ? "" : "s", findings.first_line(finding),
+                 finding == recording::Finding::gap ? longest_interval(findings) : "");
     }
   }
   const std::string doubt = recording::doubt_of_acceleration(findings);
