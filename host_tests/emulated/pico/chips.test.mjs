@@ -33,7 +33,7 @@ const CHIPS = [
   ...[['l3gd20h', 10_000], ['l3gd20', 10_526], ['l3g4200d', 10_000]].map(
     ([name, period_us]) => ({ name, bus: 'spi', period_us, lsb_dps: 0.00875, upset: [0x23, 0x10] })),
   ...[['adis16470', 10], ['adis16475-1', 160], ['adis16475-2', 40], ['adis16475-3', 10]].map(
-    ([name, lsbs]) => ({ name, bus: 'words', period_us: 10_000, lsb_dps: 1 / lsbs, upset: [0x64, 0x01] })),
+    ([name, lsbs]) => ({ name, bus: 'words', period_us: 10_000, lsb_dps: 1 / lsbs })),
 ];
 
 function withRig({ name, bus, period_us, option = '' }, action) {
