@@ -76,6 +76,19 @@ enum class AccelerationRange : std::uint8_t { g_2 = 0, g_4 = 1, g_8 = 2, g_16 = 
   return bytes > 0 && bytes <= kMost && bytes % 2 == 0;
 }
 
+/// True if the file has features, and with them GYR_CAS: all but Bosch's file for the longest FIFO.
+[[nodiscard]] constexpr bool has_features(std::size_t file_bytes) {
+  constexpr std::size_t kMaximumFifo = 328;
+  return file_bytes != kMaximumFifo;
+}
+
+/// Share of the rate about z in the output of x, by GYR_CAS: seven bits, two's complement, 1/512
+/// each.
+[[nodiscard]] constexpr float decode_cross_sensitivity(std::uint8_t gyr_cas) {
+  const int factor = static_cast<int>(gyr_cas & 0x3FU) - static_cast<int>(gyr_cas & 0x40U);
+  return static_cast<float>(factor) / 512.0F;
+}
+
 /// INIT_ADDR_0 and INIT_ADDR_1 for the word at so many bytes: its number, whose lowest four bits go
 /// into the first.
 struct InitAddress {

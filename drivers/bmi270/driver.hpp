@@ -67,7 +67,7 @@ class Bmi270 {
   /// Without a file whose size can be right always no_config_file. First call: identity, then
   /// software reset, then always not_ready. Later calls: not_ready until 10 ms have passed; then
   /// the chip is woken, and 1 ms later each call loads 256 bytes of the file. The call behind the
-  /// last of them ends the loading; 150 ms after it configuration (37 transactions) and success, or
+  /// last of them ends the loading; 150 ms after it configuration (39 transactions) and success, or
   /// sensor_fault if the chip did not take the file. Over SPI one reading and 2 ms come before the
   /// identity, at first and after the reset: the chip is on I2C until then. When it runs, or after
   /// any other error, a call begins anew.
@@ -259,12 +259,26 @@ class Bmi270 {
     if (!bmi270::is_initialised(*status)) {
       return refused(DriverErrorCode::sensor_fault, bmi270::kInternalStatus.address);
     }
+    if (const auto done = read_cross_sensitivity(); !done) return done;
     if (const auto done = configuration_.apply(bus_); !done) return done;
     if (const auto done = flush(); !done) return done;
     settled_at_ = now + bmi270::settling_time(sample_period());
     sample_clock_.restart(now, sample_period());
     blank_frames_.restart();
     stage_ = Stage::running;
+    return {};
+  }
+
+  /// Read twice, because a flipped bit would be a wrong correction until the next start.
+  core::Result<void, DriverError> read_cross_sensitivity() {
+    cross_sensitivity_ = 0.0F;
+    if (!bmi270::has_features(settings_.config_file.size())) return {};
+    const auto first = read_register(bus_, bmi270::kGyrCas);
+    if (!first) return core::Unexpected{first.error()};
+    const auto second = read_register(bus_, bmi270::kGyrCas);
+    if (!second) return core::Unexpected{second.error()};
+    if (*first != *second) return corrupt(bmi270::kGyrCas.address);
+    cross_sensitivity_ = bmi270::decode_cross_sensitivity(*first);
     return {};
   }
 
@@ -362,12 +376,14 @@ class Bmi270 {
     sample.has_temperature = temperature != kNone;
     if (sample.has_temperature) sample.temperature = bmi270::decode_temperature(temperature);
     set_rates(sample, raw_axes(bytes), lsb_, bmi270::kFullScaleRaw);
+    sample.rate[0] = sample.rate[0] - sample.rate[2] * cross_sensitivity_;
     return sample;
   }
 
   Bus bus_;
   bmi270::Settings settings_;
   core::AngularRate lsb_;
+  float cross_sensitivity_ = 0.0F;  ///< share of the rate about z in the output of x
   bmi270::ConfigFileLoader loader_;
   ConfigurationTable<kEntries> configuration_;
   SampleClock sample_clock_;

@@ -20,6 +20,8 @@ inline constexpr Register<0x03, Access::read_only> kStatus;
 // Temperature and level of the FIFO follow.
 inline constexpr Register<0x21, Access::read_only> kInternalStatus;
 inline constexpr Register<0x26, Access::read_only> kFifoData;  // a burst stays here
+// On the page of FEAT_PAGE (2Fh) after a reset.
+inline constexpr Register<0x3C, Access::read_only> kGyrCas;
 inline constexpr Register<0x40, Access::read_write, 0xA8> kAccConf;
 inline constexpr Register<0x41, Access::read_write, 0x02> kAccRange;
 inline constexpr Register<0x42, Access::read_write, 0xA9> kGyrConf;

@@ -22,7 +22,10 @@ enum class SpiMode : std::uint32_t {
 
 /// An SpiDevice in mode 0 or 3, 8 bits, most significant first. Chip select is driven by software:
 /// that of the PL022 rises between two bytes (datasheet, 4.4.3).
-template <unsigned MisoPin, unsigned ChipSelectPin, unsigned ClockPin, unsigned MosiPin>
+/// @tparam PauseMicroseconds  shortest time without selection between two transactions; the
+///         processor waits for it before each of them
+template <unsigned MisoPin, unsigned ChipSelectPin, unsigned ClockPin, unsigned MosiPin,
+          std::uint32_t PauseMicroseconds = 0>
 class Spi0Device {
  public:
   /// @param highest_hz the clock is the next one below it that the dividers reach
@@ -40,9 +43,10 @@ class Spi0Device {
     connect<MosiPin>(io_bank0::spi);
   }
 
-  /// Blocks for the transfer; timeout after 1 ms, which is 900 bytes at 7.8 MHz.
+  /// Blocks for the pause and the transfer; timeout after 1 ms more, which is 900 bytes at 7.8 MHz.
   static core::Result<void, BusError> transaction(std::span<const Operation> operations) {
     if (operations.empty()) return {};
+    pause();
     const Deadline deadline{1000};
     if (!drain(deadline)) return core::Unexpected{BusError::timeout};
     sio::kOutClear.write(bit(ChipSelectPin));
@@ -57,6 +61,14 @@ class Spi0Device {
 
  private:
   static constexpr std::size_t kFifoDepth = 8;
+
+  static void pause() {
+    if constexpr (PauseMicroseconds > 0) {
+      const Deadline over{PauseMicroseconds};
+      while (!over.is_over()) {
+      }
+    }
+  }
 
   /// Keeps the transmit FIFO filled, but never more under way than the receive FIFO holds.
   static bool transfer(const Operation& operation, const Deadline& deadline) {

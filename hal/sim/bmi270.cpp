@@ -23,6 +23,7 @@ enum Address : std::uint8_t {
   fifo_length_1 = 0x25,
   fifo_data = 0x26,
   feat_page = 0x2F,
+  gyr_cas = 0x3C,
   acc_conf = 0x40,
   acc_range = 0x41,
   gyr_conf = 0x42,
@@ -149,8 +150,10 @@ void SimulatedBmi270::measure(const std::array<core::AngularRate, 3>& rate,
   const double dps_per_lsb = 2000.0 / std::exp2(15.0 + (registers_[gyr_range] & 0x07U));
   const double transient_dps = start_up_transient_dps(clock_->now() - gyro_on_at_, kGyroStart);
   Counts counts{};
+  const double of_z_dps = in_deg_per_s(rate[2]) * cross_counts_ / 512.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    counts[axis] = to_counts((in_deg_per_s(rate[axis]) + transient_dps) / dps_per_lsb);
+    const double cross_dps = axis == 0 ? of_z_dps : 0.0;
+    counts[axis] = to_counts((in_deg_per_s(rate[axis]) + cross_dps + transient_dps) / dps_per_lsb);
   }
   set_words(gyr_data, counts);
   registers_[status] |= 0x40U;
@@ -204,6 +207,8 @@ std::uint8_t SimulatedBmi270::read_register(std::uint8_t address) {
     value = static_cast<std::uint8_t>(fifo_.size() >> 8U);
   } else if (address == internal_status_0) {
     value = internal_status();
+  } else if (address == gyr_cas && registers_[feat_page] == 0) {
+    value = is_initialised() ? static_cast<std::uint8_t>(cross_counts_ & 0x7F) : std::uint8_t{0};
   } else if (address >= gyr_data && address <= gyr_data_end) {
     registers_[status] &= 0xBFU;  // drdy_gyr
   } else if (address >= acc_data && address < gyr_data) {

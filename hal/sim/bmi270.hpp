@@ -26,8 +26,8 @@ namespace zerorate::hal::sim {
 /// that was loaded without a gap, such as config_file(); any other it reports as damaged.
 ///
 /// Not modelled: the switch from I2C to SPI, headers and sensor time of the FIFO, different rates
-/// of the sensors, filters, low-power modes, offsets, cross sensitivity, self-test, features of the
-/// file, magnetometer, second interface, INT2.
+/// of the sensors, filters, low-power modes, offsets, self-test, features of the file but for
+/// GYR_CAS, magnetometer, second interface, INT2.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
@@ -45,6 +45,10 @@ class SimulatedBmi270 : public SimulatedRegisters<128>, public SimulatedAccelero
   [[nodiscard]] static std::span<const std::uint8_t> config_file();
   /// Bytes that were loaded into the chip since its reset, up to the first gap.
   [[nodiscard]] std::span<const std::uint8_t> loaded() const;
+
+  /// Lets x feel the rate about z, by 1/512 for each count, and GYR_CAS say so.
+  /// @param counts -64 to 63
+  void set_cross_sensitivity(int counts) { cross_counts_ = counts; }
 
   /// One conversion: rounds to the LSB, clips, raises data-ready, fills the FIFO. Does nothing
   /// while the gyro is off.
@@ -81,6 +85,7 @@ class SimulatedBmi270 : public SimulatedRegisters<128>, public SimulatedAccelero
 
   std::array<std::uint8_t, kImageBytes> image_{};
   std::array<bool, kImageBytes> is_loaded_{};
+  int cross_counts_ = 0;
   std::size_t place_ = 0;  ///< index of the next byte of the file
   bool is_file_good_ = false;
   core::Instant judged_at_;  ///< when the file was judged, or will be

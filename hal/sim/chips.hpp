@@ -12,6 +12,7 @@
 #include "hal/sim/icm42688.hpp"
 #include "hal/sim/icm45686.hpp"
 #include "hal/sim/l3gd20h.hpp"
+#include "hal/sim/lsm6dsl.hpp"
 #include "hal/sim/lsm6dso.hpp"
 #include "hal/sim/lsm6dsv16x.hpp"
 #include "hal/sim/mpu6500.hpp"

@@ -135,7 +135,7 @@ bool SimulatedStModule::push_fifo_word(unsigned tag, const std::array<std::int16
   constexpr unsigned kFifoMode = 1;
   constexpr unsigned kContinuous = 6;
   const unsigned mode = registers_[fifo_ctrl4] & 0x07U;
-  if (mode != kFifoMode && mode != kContinuous) return false;
+  if (data_path_.fifo_words == 0 || (mode != kFifoMode && mode != kContinuous)) return false;
   if (fifo_.size() >= fifo_capacity()) {
     has_overwritten_ = true;
     is_overrun_latched_ = true;
@@ -209,7 +209,8 @@ std::uint8_t SimulatedStModule::next_address(std::uint8_t address) const {
 void SimulatedStModule::drive_int1() {
   const unsigned routed = registers_[int1_ctrl];
   const bool is_ready = (registers_[status_reg] & 0x02U) != 0 && (routed & 0x02U) != 0;
-  interrupt_.drive(is_ready || (is_at_watermark() && (routed & 0x08U) != 0), clock_->now());
+  const bool is_filled = is_at_watermark() || has_reached_other_watermark_;
+  interrupt_.drive(is_ready || (is_filled && (routed & 0x08U) != 0), clock_->now());
 }
 
 void SimulatedLsm6dso::reset_registers() {
@@ -356,30 +357,6 @@ void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) 
   if (address == ctrl3_c) value &= static_cast<std::uint8_t>(~kBoot);  // the chip clears it
   registers_[address] = value;
   end_write(address);
-}
-
-/// FIFO_STATUS1 to 4 and the data behind them.
-std::uint8_t SimulatedLsm6dsl::read_register(std::uint8_t address) {
-  address &= 0x7FU;
-  constexpr unsigned kEmpty = 0x10;
-  if (address == fifo_status2) return kEmpty;
-  if (address == fifo_status1 || (address >= 0x3C && address <= 0x3F)) return 0;
-  return address >= fifo_data_out_tag ? std::uint8_t{0} : SimulatedLsm6dso::read_register(address);
-}
-
-/// FIFO_CTRL1 and what has to do with sensors outside are memory here, and not in the LSM6DSO.
-void SimulatedLsm6dsl::write_register(std::uint8_t address, std::uint8_t value) {
-  address &= 0x7FU;
-  const bool is_memory = (address >= 0x04 && address <= 0x06) || address == 0x1A;
-  const bool is_reserved = address == 0x02 || address == 0x0C || address == 0x56 ||
-                           address == 0x57 || (address >= 0x62 && address <= 0x72);
-  if (is_reserved) {
-    ++reserved_writes_;
-  } else if (is_memory) {
-    registers_.at(address) = value;
-  } else {
-    SimulatedLsm6dso::write_register(address, value);
-  }
 }
 
 }  // namespace zerorate::hal::sim

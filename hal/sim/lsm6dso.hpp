@@ -27,7 +27,7 @@ class SimulatedStModule : public SimulatedRegisters<128>, public SimulatedAccele
  protected:
   /// Figures in which the modules' data paths differ.
   struct DataPath {
-    std::size_t fifo_words;
+    std::size_t fifo_words;           ///< 0: the FIFO has no tags and is not this one
     std::uint8_t watermark_high_bit;  ///< bit of FIFO_CTRL2; 0: the watermark has eight bits
     core::Duration turn_on_time;
   };
@@ -65,6 +65,7 @@ class SimulatedStModule : public SimulatedRegisters<128>, public SimulatedAccele
   void end_write(std::uint8_t address);
   void drive_int1();
 
+  bool has_reached_other_watermark_ = false;  ///< level of a FIFO without tags
   core::Instant powered_at_;
   core::Instant accelerometer_powered_at_;
   std::uint8_t time_slot_ = 0;  ///< TAG_CNT
@@ -132,29 +133,37 @@ class SimulatedLsm6dso : public SimulatedStModule {
   void write_register(std::uint8_t address, std::uint8_t value);
 
  protected:
-  SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim, std::uint8_t identity)
-      : SimulatedStModule(clock, kDataPath), trim_(trim), identity_(identity) {
+  static constexpr std::size_t kFifoWords = 512;  // 3 kbyte of data, six bytes a word
+
+  SimulatedLsm6dso(const SimulatedClock& clock, std::int8_t trim, std::uint8_t identity,
+                   std::size_t fifo_words = kFifoWords)
+      : SimulatedStModule(clock, {.fifo_words = fifo_words,
+                                  .watermark_high_bit = 0x01,
+                                  .turn_on_time = core::Duration::milliseconds(70)}),
+        trim_(trim),
+        identity_(identity) {
     reset_registers();
   }
+
+  /// Counts of 25 us since the time stamps were switched on or reset.
+  [[nodiscard]] std::uint32_t timestamp() const;
+  /// Whether the newest conversion has an acceleration.
+  [[nodiscard]] bool has_acceleration() const { return has_acceleration_; }
 
  private:
   static constexpr std::uint8_t kIdentity = 0x6C;
   static constexpr std::uint8_t kIdentityWith4000Dps = 0x6B;
-  static constexpr DataPath kDataPath{.fifo_words = 512,  // 3 kbyte of data, six bytes a word
-                                      .watermark_high_bit = 0x01,
-                                      .turn_on_time = core::Duration::milliseconds(70)};
 
   void reset_registers();
   void note_time_of(std::uint8_t address, std::uint8_t value);
   void batch();
   void push_tagged(unsigned sensor, const std::array<std::int16_t, 3>& values);
   std::array<std::uint8_t, 128>* other_bank();
-  [[nodiscard]] std::uint32_t timestamp() const;
   [[nodiscard]] bool is_masked() const;
 
   std::int8_t trim_;
   std::uint8_t identity_;
-  bool has_acceleration_ = false;  ///< whether the newest conversion has one
+  bool has_acceleration_ = false;
   core::Instant boot_until_;
   core::Instant timestamp_zero_;
   std::array<std::array<std::uint8_t, 128>, 2> other_banks_{};
@@ -190,26 +199,6 @@ class SimulatedLsm6dsox : public SimulatedLsm6dso {
   static constexpr std::string_view kName = "lsm6dsox";
   explicit SimulatedLsm6dsox(const SimulatedClock& clock, std::int8_t trim = 0)
       : SimulatedLsm6dso(clock, trim) {}
-};
-
-/// The older LSM6DSL (DocID028475): its own addresses may be written, the oscillator has no trim
-/// register, and the FIFO, which has no tags, is always empty.
-class SimulatedLsm6dsl : public SimulatedLsm6dso {
- public:
-  static constexpr std::string_view kName = "lsm6dsl";
-  explicit SimulatedLsm6dsl(const SimulatedClock& clock) : SimulatedLsm6dso(clock, 0, 0x6A) {}
-
-  // The bus's side (RegisterChip).
-  std::uint8_t read_register(std::uint8_t address);
-  void write_register(std::uint8_t address, std::uint8_t value);
-};
-static_assert(RegisterChip<SimulatedLsm6dsl>);
-
-/// The successor of the LSM6DSL, with the same registers.
-class SimulatedLsm6ds3trC : public SimulatedLsm6dsl {
- public:
-  static constexpr std::string_view kName = "lsm6ds3tr-c";
-  using SimulatedLsm6dsl::SimulatedLsm6dsl;
 };
 
 }  // namespace zerorate::hal::sim

@@ -33,9 +33,10 @@ inline void start_bus() {
   return {bus, Chip::kAddresses[0]};
 }
 #else
-using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi>;
+inline constexpr auto kSpiPause_us =
+    static_cast<std::uint32_t>(drivers::kSpiPauseOf<Chip>.ns() / 1000);
+using Bus = hal::rp2040::Spi0Device<kSpiMiso, kSpiChipSelect, kSpiClock, kSpiMosi, kSpiPause_us>;
 using Wire = drivers::SpiLink<Chip, Bus>;
-static_assert(drivers::kSpiPauseOf<Chip> == core::Duration{}, "Spi0Device makes no pauses");
 inline constexpr auto kSpiMode =
     Chip::kSpiMode == 0 ? hal::rp2040::SpiMode::mode_0 : hal::rp2040::SpiMode::mode_3;
 inline void start_bus() {

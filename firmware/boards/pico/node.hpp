@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string_view>
+#include <type_traits>
 
+#include "core/base/compile_time.hpp"
 #include "drivers/chips/chips.hpp"
 #include "firmware/app/gyro_node.hpp"
 
@@ -18,10 +21,19 @@
 namespace zerorate::pico {
 
 #ifdef ZERORATE_PICO_CHIP
-using Chip = drivers::ZERORATE_PICO_CHIP::Chip;
+inline constexpr std::string_view kChip = ZERORATE_PICO_CHIP;
 #else
-using Chip = drivers::lsm6dso::Chip;
+inline constexpr std::string_view kChip = "lsm6dso";
 #endif
+
+/// The chip of that name; a list without it has none.
+template <class Chips>
+struct Named;
+template <class First, class... Others>
+struct Named<core::TypeList<First, Others...>>
+    : std::conditional_t<First::kName == kChip, std::type_identity<First>,
+                         Named<core::TypeList<Others...>>> {};
+using Chip = Named<drivers::AllChips>::type;
 
 /// A sample raises data-ready and is read within its period: no FIFO is needed.
 inline constexpr Chip::Settings kGyroSettings{};

@@ -19,7 +19,7 @@ show_kernel='dmesg | grep -E " (st_lsm6dsx|st-gyro|adxrs450|adis16475|bmg160|bmi
 
 # Some drivers know a chip, or its interrupt, by the device tree alone: to QEMU's own are added these chips, without
 # address and bus, and the lines that their interrupt is one of. The modules in kernel/ look for both.
-in_device_tree=(invensense,icm42605 bosch,bmi160 adi,adis16470 adi,adis16475-1)
+in_device_tree=(invensense,icm42605 bosch,bmi160 adi,adis16470 adi,adis16475-{1,2,3})
 add_device_tree() {
   local tree="$out/virt.dtb" lines=/zerorate/lines gyro chip phandle=0x9000
   "${qemu[@]}" -machine "dumpdtb=$tree" </dev/null

@@ -43,6 +43,7 @@ for (const [name, bus, error] of [
   ['zerorate-pico-icm45686-i2c', 'i2c', { code: 0, bus: 0 }],
   ['zerorate-pico-adxrs453', 'spi', {}],
   ['zerorate-pico-mpu6500', 'spi', { code: 1, reg: 0x75 }],
+  ['zerorate-pico-adis16470', 'spi', { code: 1, reg: 0x72 }],
   ['zerorate-pico-mpu6050-i2c', 'i2c', { code: 0, bus: 0 }],
 ]) {
   test(`${name}.uf2 boots, finds another chip than its own, and says so`, () => {

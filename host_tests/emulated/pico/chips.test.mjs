@@ -24,6 +24,16 @@ const CHIPS = [
   { name: 'icm45686', bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x81, 0x02] },
   { name: 'icm45686', bus: 'i2c', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x1c, 0x10] },
   { name: 'adxrs453', bus: 'frames', period_us: 5000, lsb_dps: 1 / 80, isOneAxis: true },
+  ...['lsm6dsl', 'lsm6ds3tr-c', 'lsm6dsox', 'lsm6dsr'].map(
+    (name) => ({ name, bus: 'spi', period_us: 9600, lsb_dps: 0.00875, upset: [0x11, 0x04] })),
+  ...['icm42605', 'iim42652'].map(
+    (name) => ({ name, bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131.072, upset: [0x4f, 0x20] })),
+  ...['icm20602', 'icm20689', 'mpu6886'].map(
+    (name) => ({ name, bus: 'spi', period_us: 10_000, lsb_dps: 1 / 131, upset: [0x1b, 0x08] })),
+  ...[['l3gd20h', 10_000], ['l3gd20', 10_526], ['l3g4200d', 10_000]].map(
+    ([name, period_us]) => ({ name, bus: 'spi', period_us, lsb_dps: 0.00875, upset: [0x23, 0x10] })),
+  ...[['adis16470', 10], ['adis16475-1', 160], ['adis16475-2', 40], ['adis16475-3', 10]].map(
+    ([name, lsbs]) => ({ name, bus: 'words', period_us: 10_000, lsb_dps: 1 / lsbs })),
 ];
 
 function withRig({ name, bus, period_us, option = '' }, action) {

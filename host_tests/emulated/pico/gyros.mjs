@@ -106,9 +106,10 @@ export class SimulatedChip {
     this.driveInterrupt(level === 1, hadEdge === 1);
     return value;
   }
-  // An edge without a level that stays is a pulse.
+  // An edge without a level that stays is a pulse; one of a line that is high already follows a short low.
   driveInterrupt(level, hadEdge) {
     this.level = level;
+    if (hadEdge && this.pin.rawInputValue) this.pin.setInputValue(false);
     if (hadEdge || level) this.pin.setInputValue(true);
     if (level || !this.pin.rawInputValue) return;
     this.board.at(this.board.now_us + PULSE_US, () => this.pin.setInputValue(this.level));
@@ -122,7 +123,8 @@ export class SimulatedChip {
   write(address, value) { this.ask('w', address, value); }
   next() { return this.following; }
 
-  // Of a chip of frames.
+  // Of a chip of frames, or of words.
+  select() { this.ask('s'); }
   reply() { return this.ask('p'); }
   exchangeFrame(command) { this.ask('f', command); }
 }

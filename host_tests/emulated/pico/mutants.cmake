@@ -4,7 +4,7 @@
 # A mistake may take more memory than the image has: two predictors instead of one.
 pico_memory(mutant.ld 68K 10240 2560)
 
-# pico_mutant(NAME file from to)
+# pico_mutant(NAME file from to [options of pico_image...])
 function(pico_mutant name file from to)
   file(READ "${PROJECT_SOURCE_DIR}/${file}" text)
   string(FIND "${text}" "${from}" first)
@@ -16,7 +16,7 @@ function(pico_mutant name file from to)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/mutants/${name}")
   file(CONFIGURE OUTPUT "${folder}/${file}" CONTENT "${text}" @ONLY)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${file}")
-  pico_image(mutant-${name} SPI MEMORY mutant.ld)
+  pico_image(mutant-${name} SPI MEMORY mutant.ld ${ARGN})
   if(file MATCHES "[.]cpp$")  # instead of the one in the library
     target_sources(mutant-${name} PRIVATE "${folder}/${file}")
   endif()
@@ -34,6 +34,8 @@ pico_mutant(wrong-pin-mux hal/rp2040/spi_device.hpp
   "connect<MosiPin>(io_bank0::spi)" "connect<MosiPin>(io_bank0::uart)")
 pico_mutant(spi-not-enabled hal/rp2040/spi_device.hpp
   "spi0::kControl1.write(spi0::kEnable)" "spi0::kControl1.write(0)")
+pico_mutant(no-spi-pause hal/rp2040/spi_device.hpp
+  "    pause();\n" "" CHIP adis16470)
 pico_mutant(no-fifo-wait hal/rp2040/uart.hpp
   "return (uart0::kFlags.read() & uart0::kTransmitFull) == 0;" "return true;")
 pico_mutant(lost-wake-up hal/cortex_m/interrupts.hpp

@@ -68,3 +68,13 @@ for (const [name, complaint] of [
     assert.match(complaintAbout(`mutant-${name}`) ?? 'nothing', complaint);
   });
 }
+
+test('the mutant no-spi-pause, on a chip that needs pauses, is noticed', () => {
+  const rig = new Rig({ name: 'mutant-no-spi-pause', bus: 'words', chip: 'adis16470' });
+  try {
+    rig.measureForEver([10, 20, 30], { period_us: 10_000 });
+    assert.throws(() => rig.board.run(1e6), /SPI0: selected again within 16 us/);
+  } finally {
+    rig.chip.close();
+  }
+});

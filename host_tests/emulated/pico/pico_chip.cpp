@@ -5,8 +5,9 @@
 //
 //   m NS X Y Z C   a conversion of these rates [deg/s] at this temperature [degC]
 //   r NS ADDRESS   reads a register         w NS ADDRESS VALUE   writes one
-//   p NS           the reply frame that is on the wire next      f NS FRAME   exchanges a frame
-//   u NS ADDRESS BITS   flips bits of a register, as an upset does
+//   p NS           the reply that is on the wire next            f NS FRAME   exchanges a frame or
+//   word s NS           a chip of words is selected u NS ADDRESS BITS   flips bits of a register,
+//   as an upset does
 //
 // NS is the time. The answer: value, address that follows, level of the interrupt pin, whether it
 // had an edge since the last answer.
@@ -66,6 +67,19 @@ Answer answer_to(hal::sim::SimulatedAdxrs453& chip, char kind, std::istream& wor
   return {.value = chip.exchange_frame(frame)};
 }
 
+Answer answer_to(hal::sim::WordChip auto& chip, char kind, std::istream& words) {
+  std::uint16_t word = 0;
+  if (kind == 'p') return {.value = chip.reply()};
+  if (kind == 's') {
+    chip.select();
+  } else if (kind == 'f' && words >> word) {
+    chip.take(word);
+  } else {
+    throw std::runtime_error("not a request for a word");
+  }
+  return {};
+}
+
 template <class Chip>
 void measure(Chip& chip, std::istream& words) {
   std::array<double, 3> dps{};
@@ -118,10 +132,8 @@ int run(std::span<char*> arguments) {
   bool is_known = false;
   const auto serve_if_named = [&]<class Chip> {
     if (chip != Chip::kName) return;
-    if constexpr (!hal::sim::WordChip<Chip>) {  // no image has a chip of words
-      is_known = true;
-      serve<Chip>(requests, replies);
-    }
+    is_known = true;
+    serve<Chip>(requests, replies);
   };
   hal::sim::AllSimulatedChips::for_each(serve_if_named);
   serve_if_named.template operator()<Mpu6050>();

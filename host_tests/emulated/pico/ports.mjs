@@ -36,16 +36,40 @@ export function framesOnSpi(chip) {
   };
 }
 
+// To a chip of 16-bit words too; several follow each other under one selection.
+export function wordsOnSpi(chip) {
+  let word = 0, reply = 0, isSecond = false;
+  return {
+    highest_hz: 1e6,
+    pause_us: 16,
+    select() {
+      isSecond = false;
+      chip.select();
+    },
+    exchange(byte) {
+      if (!isSecond) reply = chip.reply();
+      word = (word << 8 | byte) & 0xffff;
+      if (isSecond) chip.exchangeFrame(word);
+      isSecond = !isSecond;
+      return isSecond ? reply >>> 8 : reply & 0xff;
+    },
+  };
+}
+
 // SPI 0 of the chip at these pins. faults.isStalled: no clock comes any more.
 export class SpiPort {
   constructor(board, device, { miso = 16, select = 17, clock = 18, mosi = 19 } = {}) {
     const { mcu } = board;
     const spi = mcu.spi[0];
+    const { highest_hz = 10e6, pause_us = 0 } = device;
     this.isStalled = false;
-    let isSelected = false;
+    let isSelected = false, released_us = -Infinity;
     mcu.gpio[select].addListener((state) => {
+      if (isSelected) released_us = board.now_us;
       isSelected = state === GPIOPinState.Low;
-      if (isSelected) device.select();
+      if (!isSelected) return;
+      if (board.now_us - released_us < pause_us) board.violation(`SPI0: selected again within ${pause_us} us`);
+      device.select();
     });
     const check = () => {
       if (!spi.enabled) board.violation('SPI0: data written while disabled');
@@ -55,7 +79,7 @@ export class SpiPort {
       }
       if (!mcu.gpio[miso].inputEnable) board.violation('SPI0: the input of MISO is off');
       if (spi.dataBits !== 8) board.violation('SPI0: not 8 bits');
-      if (spi.clockFrequency > 10e6) board.violation('SPI0: faster than 10 MHz');
+      if (spi.clockFrequency > highest_hz) board.violation(`SPI0: faster than ${highest_hz} Hz`);
       const polarity = !!(spi.control0 & 0x40), phase = !!(spi.control0 & 0x80);
       if (polarity !== phase) board.violation('SPI0: the chip has mode 0 and 3 only');
     };

@@ -5,7 +5,7 @@ import path from 'node:path';
 import { Board } from './board.mjs';
 import { framesIn } from './frames.mjs';
 import { Lsm6dso, SimulatedChip } from './gyros.mjs';
-import { I2cPort, SpiPort, framesOnSpi, registersOnSpi } from './ports.mjs';
+import { I2cPort, SpiPort, framesOnSpi, registersOnSpi, wordsOnSpi } from './ports.mjs';
 
 const SMALL = 'zerorate-pico';
 export const LEARNING = 'zerorate-pico-learning';
@@ -13,13 +13,13 @@ export const image = (name = SMALL) => path.join(process.env.PICO_IMAGES, name);
 const ODOMETER_PIN = 15;
 const PULSE_US = 50;
 
-// bus: 'spi', 'i2c', or 'frames' on SPI; chip: of hal/sim by its name, or the LSM6DSO of this folder
+// bus: 'spi', 'i2c', or 'frames' or 'words' on SPI; chip: of hal/sim by its name, or the LSM6DSO of this folder
 export class Rig {
   constructor({ name = SMALL, bus = 'spi', identity, state, chip } = {}) {
     this.board = new Board(image(name), state);
     this.chip = chip ? new SimulatedChip(this.board, chip) : new Lsm6dso(this.board, { identity });
     if (bus === 'i2c') this.port = new I2cPort(this.board, this.chip, { address: chip ? 0x68 : 0x6a });
-    else this.port = new SpiPort(this.board, { spi: registersOnSpi, frames: framesOnSpi }[bus](this.chip));
+    else this.port = new SpiPort(this.board, { spi: registersOnSpi, frames: framesOnSpi, words: wordsOnSpi }[bus](this.chip));
   }
   get frames() { return framesIn(this.board.uart.sent); }
 

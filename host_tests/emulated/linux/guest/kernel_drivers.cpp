@@ -114,6 +114,10 @@ constexpr std::array kRelatives{
         "lsm6dsr_gyro", "spi lsm6dsr 0 0"},
     Row{"st_lsm6dsx, LSM6DSOX over I2C", on_i2c<hal::sim::SimulatedLsm6dsox, 0x6A>, "lsm6dsox", 104,
         kLsbDps, "lsm6dsox_gyro", "i2c lsm6dsox 6a 0"},
+    Row{"st_lsm6dsx, LSM6DSL over I2C", on_i2c<hal::sim::SimulatedLsm6dsl, 0x6A>, "lsm6dsl", 104,
+        kLsbDps, "lsm6dsl_gyro", "i2c lsm6dsl 6a 0"},
+    Row{"st_lsm6dsx, LSM6DS3TR-C over SPI", on_spi<hal::sim::SimulatedLsm6ds3trC>, "lsm6ds3tr-c",
+        104, kLsbDps, "lsm6ds3tr-c_gyro", "spi lsm6ds3tr-c 0 0"},
     Row{"bmi160 over SPI", on_spi<hal::sim::SimulatedBmi160>, "bmi160", 100, kLsb16BitDps, "bmi160",
         "spi bosch,bmi160 0 0"},
     Row{"bmi160 over I2C", on_i2c<hal::sim::SimulatedBmi160, 0x68>, "bmi160", 100, kLsb16BitDps,
@@ -128,6 +132,10 @@ constexpr std::array kRelatives{
         1.0F / 10.0F, "adis16470", "spi adi,adis16470 0 0", 2000},
     Row{"adis16475, ADIS16475-1", on_words<hal::sim::SimulatedAdis16475Part1>, "adis16475-1", 100,
         1.0F / 160.0F, "adis16475-1", "spi adi,adis16475-1 0 0", 125},
+    Row{"adis16475, ADIS16475-2", on_words<hal::sim::SimulatedAdis16475Part2>, "adis16475-2", 100,
+        1.0F / 40.0F, "adis16475-2", "spi adi,adis16475-2 0 0", 500},
+    Row{"adis16475, ADIS16475-3", on_words<hal::sim::SimulatedAdis16475Part3>, "adis16475-3", 100,
+        1.0F / 10.0F, "adis16475-3", "spi adi,adis16475-3 0 0", 2000},
 };
 
 Wiring wiring_of(const Row& row) {

@@ -91,6 +91,38 @@ TEST(Bmi270Placeholder, IsFoundByItsFirstTwoWords) {
   EXPECT_FALSE(bmi270::is_placeholder({0x7F02, -32767, -32768}));
 }
 
+TEST(Bmi270CrossSensitivity, IsSevenBitsOfTwosComplementBy512) {
+  EXPECT_EQ(bmi270::decode_cross_sensitivity(0x00), 0.0F);
+  EXPECT_EQ(bmi270::decode_cross_sensitivity(0x03), 3.0F / 512.0F);
+  EXPECT_EQ(bmi270::decode_cross_sensitivity(0x3F), 63.0F / 512.0F);
+  EXPECT_EQ(bmi270::decode_cross_sensitivity(0x40), -64.0F / 512.0F);
+  EXPECT_EQ(bmi270::decode_cross_sensitivity(0x7F), -1.0F / 512.0F);
+  EXPECT_EQ(bmi270::decode_cross_sensitivity(0x83), 3.0F / 512.0F) << "bit 7 is reserved";
+}
+
+TEST(Bmi270, TakesTheRateAboutZOutOfX) {
+  constexpr float kLsbDps = 250.0F / 32768.0F;
+  for (const auto& settings : {support::Bmi270::kDataReady, support::Bmi270::kFifo}) {
+    for (const int counts : {-64, -5, 0, 21, 63}) {
+      Rig rig{settings};
+      rig.chip.set_cross_sensitivity(counts);
+      ASSERT_TRUE(rig.start_and_settle());
+      rig.sample({deg_per_s(10.0F), deg_per_s(-20.0F), deg_per_s(200.0F)});
+      std::array<GyroSample, 4> out{};
+      ASSERT_EQ(rig.read(out).value_or(0), 1U);
+      // Half a count of x, and of z times the factor.
+      EXPECT_NEAR(out[0].rate[0].in(deg_per_s), 10.0F, 0.57F * kLsbDps) << counts;
+      EXPECT_NEAR(out[0].rate[1].in(deg_per_s), -20.0F, 0.51F * kLsbDps);
+      EXPECT_NEAR(out[0].rate[2].in(deg_per_s), 200.0F, 0.51F * kLsbDps);
+    }
+  }
+}
+
+TEST(Bmi270, ReadsNoCrossSensitivityFromAFileWithoutFeatures) {
+  EXPECT_TRUE(bmi270::has_features(8192));
+  EXPECT_FALSE(bmi270::has_features(328));
+}
+
 TEST(Bmi270SamplePeriod, IsThatOfTheNamedRate) {
   EXPECT_EQ(bmi270::sample_period(OutputDataRate::hz_25), core::Duration::milliseconds(40));
   EXPECT_EQ(bmi270::sample_period(OutputDataRate::hz_1600), core::Duration::microseconds(625));

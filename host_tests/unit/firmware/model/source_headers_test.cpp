@@ -150,7 +150,23 @@ TEST(HeadersOfTheOtherGyrosOfThePico, EqualTodaysExport) {
         Exported{"bmi160", core::Duration::milliseconds(10)},
         Exported{"icm20948", core::Duration::milliseconds(8)},
         Exported{"icm45686", core::Duration::milliseconds(10)},
-        Exported{"adxrs453", core::Duration::milliseconds(5)}}) {
+        Exported{"adxrs453", core::Duration::milliseconds(5)},
+        Exported{"lsm6dsl", kLsm6dsoPeriod},
+        Exported{"lsm6ds3tr-c", kLsm6dsoPeriod},
+        Exported{"lsm6dsox", kLsm6dsoPeriod},
+        Exported{"lsm6dsr", kLsm6dsoPeriod},
+        Exported{"icm42605", core::Duration::milliseconds(10)},
+        Exported{"iim42652", core::Duration::milliseconds(10)},
+        Exported{"icm20602", core::Duration::milliseconds(10)},
+        Exported{"icm20689", core::Duration::milliseconds(10)},
+        Exported{"mpu6886", core::Duration::milliseconds(10)},
+        Exported{"l3gd20h", core::Duration::milliseconds(10)},
+        Exported{"l3gd20", core::Duration::nanoseconds(10'526'316)},
+        Exported{"l3g4200d", core::Duration::milliseconds(10)},
+        Exported{"adis16470", core::Duration::milliseconds(10)},
+        Exported{"adis16475-1", core::Duration::milliseconds(10)},
+        Exported{"adis16475-2", core::Duration::milliseconds(10)},
+        Exported{"adis16475-3", core::Duration::milliseconds(10)}}) {
     std::ifstream file(ZERORATE_REPOSITORY "/firmware/boards/models/" + chip + ".hpp");
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     const SensorModel model = without_accelerometer(known_model(chip));

@@ -341,26 +341,5 @@ TEST_F(SimulatedLsm6dsoTest, PeriodFollowsRateAndTrim) {
   EXPECT_NEAR(static_cast<double>(chip_.sample_period().ns()), expected_ns, 1.0);
 }
 
-TEST(SimulatedLsm6dslTest, HasItsOwnRegistersAndAnEmptyFifo) {
-  SimulatedClock clock;
-  clock.advance(core::Duration::seconds(1));
-  SimulatedLsm6dsl chip{clock};
-  EXPECT_EQ(chip.read_register(0x0F), 0x6A);
-  chip.write_register(0x06, 0x12);  // FIFO_CTRL1
-  EXPECT_EQ(chip.read_register(0x06), 0x12);
-  EXPECT_EQ(chip.reserved_writes(), 0U);
-  for (const auto address : std::to_array<std::uint8_t>({0x02, 0x0C, 0x57, 0x63, 0x70})) {
-    chip.write_register(address, 0x00);
-  }
-  EXPECT_EQ(chip.reserved_writes(), 5U);
-  chip.write_register(0x09, 0x40);
-  chip.write_register(0x0A, 0x06);
-  chip.write_register(0x11, 0x40);
-  chip.measure({deg_per_s(1.0F), {}, {}}, core::Temperature::from_degc(25.0F));
-  EXPECT_EQ(chip.read_register(0x3A), 0x00);
-  EXPECT_EQ(chip.read_register(0x3B), 0x10) << "FIFO_EMPTY";
-  EXPECT_EQ(chip.read_register(0x78), 0x00);
-}
-
 }  // namespace
 }  // namespace zerorate::hal::sim
