@@ -11,7 +11,7 @@ std::vector<zerorate::cli::Command> add(CLI::App& app) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 done with a finding, 2 wrong usage, 3 data that cannot be used,\n"
-      "or output that cannot be written.\n"
+      "or output that cannot be written, 4 a recording is too short to decide ('accept').\n"
       "'zerorate COMMAND --help' shows the options and examples of a command.");
   return zerorate::cli::add_commands(app);
 }

@@ -139,12 +139,6 @@ struct Population {
 
 inline constexpr std::string_view kLimitsSchema = "zerorate.limits/1";
 
-/// Range that a figure must lie in, SI units.
-struct Range {
-  double lo = 0.0;
-  double hi = 0.0;
-};
-
 /// Limits of every axis. A figure without a range is not judged.
 struct Limits {
   double shortest_s = 0.0;  ///< time at rest below which nothing is judged

@@ -146,7 +146,13 @@ report::Report make_report(const Population& population, const std::string& prov
   if (population.quality) add_quality(population, *population.quality, report);
   report::Section& distributions = report.section("Distributions");
   distributions.table(distribution_table(population));
-  for (int i = 0; i < kCoordinates; ++i) distributions.chart(histogram(population, i));
+  for (int i = 0; i < kCoordinates; ++i) {
+    report::Chart chart = histogram(population, i);
+    if (population.quality) {
+      shade_limits(*population.quality, static_cast<std::size_t>(i), chart);
+    }
+    distributions.chart(chart);
+  }
   const std::vector<double> slopes = temperature_slopes(population);
   if (!slopes.empty()) {
     distributions.paragraph(fmt::format(

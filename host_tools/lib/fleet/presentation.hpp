@@ -39,6 +39,9 @@ struct Shown {
 [[nodiscard]] std::string words(const Population& population, const Quality& quality);
 /// Yield, capability and charts of a report, before its distributions.
 void add_quality(const Population& population, const Quality& quality, report::Report& report);
+/// Shades where a histogram of a coordinate lies inside of the limits, and names them in its
+/// caption. Leaves a figure without limits as it is.
+void shade_limits(const Quality& quality, std::size_t coordinate, report::Chart& chart);
 /// A rate of false discoveries as text: "below 1e-6" where it is less.
 [[nodiscard]] std::string rate_text(double q);
 /// The paragraph that stands first.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "host_tools/lib/fleet/population.hpp"
@@ -117,6 +118,25 @@ void judge_sensors(const Population& population, const Limits& limits, Quality& 
   quality.yield = share_of(quality.passed, judgements.size());
 }
 
+bool is_digit(char c) {
+  return '0' <= c && c <= '9';
+}
+
+/// The number that a name begins with, or its first letter.
+std::string_view first_part(std::string_view name) {
+  const auto* const end = std::ranges::find_if_not(name, is_digit);
+  return name.substr(0, std::max<std::size_t>(static_cast<std::size_t>(end - name.begin()), 1));
+}
+
+/// Below, above or equal to 0 as a number of any length is smaller, larger or the same.
+int compare_numbers(std::string_view one, std::string_view other) {
+  for (std::string_view* const number : {&one, &other}) {
+    number->remove_prefix(std::min(number->find_first_not_of('0'), number->size()));
+  }
+  if (one.size() != other.size()) return one.size() < other.size() ? -1 : 1;
+  return one.compare(other);
+}
+
 QualityFigure figure_of(const Population& population, const Limits* limits, int coordinate,
                         const std::vector<std::size_t>& order) {
   QualityFigure figure{.key = shown()[static_cast<std::size_t>(coordinate)].key};
@@ -134,6 +154,7 @@ QualityFigure figure_of(const Population& population, const Limits* limits, int 
   if (figure.values.size() > 1) figure.chart = control_chart_of(figure.values);
   const auto range =
       limits != nullptr ? range_of_coordinate(*limits, coordinate) : std::optional<Range>{};
+  figure.limits = range;
   if (range) figure.capability = capability_of(values, lots, order.size(), *range);
   return figure;
 }
@@ -188,12 +209,31 @@ ControlChart control_chart_of(std::span<const double> values) {
   return chart;
 }
 
+bool comes_before(std::string_view one, std::string_view other) {
+  std::string_view left = one;
+  std::string_view its_left = other;
+  while (!left.empty() && !its_left.empty()) {
+    const std::string_view own = first_part(left);
+    const std::string_view its = first_part(its_left);
+    const bool are_numbers = is_digit(own.front()) && is_digit(its.front());
+    if (const int order = are_numbers ? compare_numbers(own, its) : own.compare(its); order != 0) {
+      return order < 0;
+    }
+    left.remove_prefix(own.size());
+    its_left.remove_prefix(its.size());
+  }
+  if (left.size() != its_left.size()) return left.size() < its_left.size();
+  return one < other;  // 01 and 1
+}
+
 Quality quality_of(const Population& population, const Limits* limits) {
   Quality quality;
   for (std::size_t i = 0; i < population.sensors.size(); ++i) quality.order.push_back(i);
-  std::ranges::stable_sort(quality.order, {}, [&](std::size_t i) {
-    const Sensor& sensor = population.sensors[i];
-    return std::pair{population.lots[sensor.lot].name, sensor.name};
+  std::ranges::stable_sort(quality.order, [&](std::size_t i, std::size_t k) {
+    const Sensor& one = population.sensors[i];
+    const Sensor& other = population.sensors[k];
+    if (one.lot == other.lot) return comes_before(one.name, other.name);
+    return comes_before(population.lots[one.lot].name, population.lots[other.lot].name);
   });
   for (int coordinate = 0; coordinate < kCoordinates; ++coordinate) {
     quality.figures.push_back(figure_of(population, limits, coordinate, quality.order));

@@ -6,13 +6,19 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace zerorate::fleet {
 
 struct Population;
 struct Limits;
-struct Range;
+
+/// Range that a figure must lie in, SI units.
+struct Range {
+  double lo = 0.0;
+  double hi = 0.0;
+};
 
 /// An index with its 95 % interval.
 struct Index {
@@ -58,15 +64,16 @@ struct ControlChart {
 
 /// A figure of the fleet; N and B by their logarithms.
 struct QualityFigure {
-  std::string key;  ///< name in the file of limits
+  std::string key;              ///< name in the file of limits
+  std::optional<Range> limits;  ///< limits of an axis, where the file has them
   std::optional<Capability> capability;
   ControlChart chart;          ///< chart in Quality::order
   std::vector<double> values;  ///< mean of the axes of each sensor in that order
 };
 
 struct Quality {
-  /// Sensors by their lots, then by their names: a lot or a name that begins with its date is in
-  /// the order of time.
+  /// Sensors by their lots, then by their names, numbers in them by their size: lots or names that
+  /// begin with a date, or count, are in the order of time.
   std::vector<std::size_t> order;
   std::vector<QualityFigure> figures;  ///< N, B and d
   bool has_limits = false;
@@ -75,6 +82,9 @@ struct Quality {
   std::size_t too_short = 0;
   Index yield;  ///< share of the sensors that passed
 };
+
+/// Whether a name comes before another, with numbers by their size: L2 before L10.
+[[nodiscard]] bool comes_before(std::string_view one, std::string_view other);
 
 /// Judges every sensor by the 95 % intervals of its recordings, as accept() does, and the fleet as
 /// a whole. Estimates are not drawn towards the population.

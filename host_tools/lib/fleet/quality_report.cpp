@@ -42,6 +42,24 @@ report::Table capability_table(const Quality& quality) {
   return table;
 }
 
+/// Limits of an axis that there are, by their names, in the coordinate.
+std::vector<std::pair<const char*, double>> finite_limits(const QualityFigure& figure) {
+  std::vector<std::pair<const char*, double>> limits;
+  if (!figure.limits) return limits;
+  if (std::isfinite(figure.limits->lo)) limits.emplace_back("Lower limit", figure.limits->lo);
+  if (std::isfinite(figure.limits->hi)) limits.emplace_back("Upper limit", figure.limits->hi);
+  return limits;
+}
+
+std::string limits_text(const QualityFigure& figure, std::size_t coordinate) {
+  std::string text;
+  for (const auto& [name, level] : finite_limits(figure)) {
+    text += fmt::format(" {} of an axis: {:.4g}{}{}.", name, shown_of(coordinate, level),
+                        *shown()[coordinate].unit == 0 ? "" : " ", shown()[coordinate].unit);
+  }
+  return text;
+}
+
 report::Chart control_chart(const Population& population, const Quality& quality,
                             std::size_t coordinate) {
   const QualityFigure& figure = quality.figures[coordinate];
@@ -49,8 +67,8 @@ report::Chart control_chart(const Population& population, const Quality& quality
   report::Series sensors{.name = "Sensor, mean of its axes",
                          .style = report::SeriesStyle::points,
                          .colour = report::Colour::blue};
-  const auto line = [&](const char* name, double level) {
-    report::Series series{.name = name, .colour = report::Colour::ink, .dashed = true};
+  const auto line = [&](const char* name, double level, report::Colour colour) {
+    report::Series series{.name = name, .colour = colour, .dashed = true};
     series.x = {1.0, static_cast<double>(figure.values.size())};
     series.y.assign(2, shown_of(coordinate, level));
     return series;
@@ -67,17 +85,22 @@ report::Chart control_chart(const Population& population, const Quality& quality
   }
   if (figure.chart.outside.size() > kMostNames) outside += " and more";
   if (!outside.empty()) outside += ".";
-  return {
+  report::Chart chart{
       .title = fmt::format("{} in the order of lots and names", one.name),
       .caption = fmt::format(
           "Chart of individuals: lines are the mean and three sigma to either side, by the mean "
-          "step from sensor to sensor. {} of {} sensors lie outside.{}",
-          figure.chart.outside.size(), figure.values.size(), outside),
+          "step from sensor to sensor. {} of {} sensors lie outside.{}{}",
+          figure.chart.outside.size(), figure.values.size(), outside,
+          limits_text(figure, coordinate)),
       .x = {"Sensor"},
       .y = {one.name, one.unit, one.is_log ? report::Scale::logarithmic : report::Scale::linear},
-      .series = {std::move(sensors), line("Mean", figure.chart.centre),
-                 line("Lower control limit", figure.chart.lo),
-                 line("Upper control limit", figure.chart.hi)}};
+      .series = {std::move(sensors), line("Mean", figure.chart.centre, report::Colour::ink),
+                 line("Lower control limit", figure.chart.lo, report::Colour::ink),
+                 line("Upper control limit", figure.chart.hi, report::Colour::ink)}};
+  for (const auto& [name, level] : finite_limits(figure)) {
+    chart.series.push_back(line(name, level, report::Colour::vermilion));
+  }
+  return chart;
 }
 
 }  // namespace
@@ -106,6 +129,18 @@ std::string words(const Population& population, const Quality& quality) {
     text += ".";
   }
   return text;
+}
+
+void shade_limits(const Quality& quality, std::size_t coordinate, report::Chart& chart) {
+  const QualityFigure& figure = quality.figures[coordinate];
+  if (finite_limits(figure).empty()) return;
+  const std::vector<double>& x = chart.series.front().x;
+  const double from = std::max(x.front(), shown_of(coordinate, figure.limits->lo));
+  const double to = std::min(x.back(), shown_of(coordinate, figure.limits->hi));
+  chart.caption += limits_text(figure, coordinate);
+  if (from >= to) return;
+  chart.shaded.push_back({from, to});
+  chart.shaded_name = "Inside of the limits";
 }
 
 void add_quality(const Population& population, const Quality& quality, report::Report& report) {

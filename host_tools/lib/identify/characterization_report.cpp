@@ -81,9 +81,10 @@ Chart allan_chart(const AxisCharacterization& axis) {
   Chart chart{
       .title = "Allan deviation of axis " + axis.axis,
       .caption =
-          "The falling part is white noise (N, read at 1 s), the flat one flicker noise (B), "
-          "the rising one a random walk (K, read at 3 s). Where the model leaves the band the "
-          "recording holds something else.",
+          "The line that falls is white noise (N is its level at 1 s; with much flicker noise the "
+          "deviation is larger), the flat one flicker noise (B), the one that rises a random walk "
+          "(K is its level at 3 s). Where the model leaves the band the recording holds something "
+          "else.",
       .x = {"Averaging time", "s", Scale::logarithmic},
       .y = {"Allan deviation", "deg/h", Scale::logarithmic},
       .series = {std::move(measured), std::move(fitted)}};

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "host_tests/support/folders.hpp"
@@ -131,6 +132,44 @@ TEST(Quality, OfAFleetWithABadLotFailsThatLot) {
   EXPECT_LT(quality.figures.front().capability->ppk.value,
             quality.figures.front().capability->cpk->value);
   EXPECT_FALSE(quality.figures[1].capability.has_value());
+}
+
+TEST(Quality, LimitsAreDrawnInTheChartsOfTheirFigure) {
+  Population population =
+      fit_population(made_fleet(":memory:", {.sensors = 12, .lots = 2, .one_jumps = false}), {});
+  Limits limits;
+  limits.angle_random_walk_rad_per_sqrt_s = Range{0.0, std::exp(kLogWhite + 3.0 * kLogWhiteSpread)};
+  population.quality = quality_of(population, &limits);
+  const std::string html = make_report(population, "test").html();
+  // exp(-9 + 0.45) in degrees
+  const std::string named = "Upper limit of an axis: 0.01109 deg/s/sqrt(Hz).";
+  const auto first = html.find(named);
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_NE(html.find(named, first + 1), std::string::npos);
+  EXPECT_THAT(html, ::testing::HasSubstr("Inside of the limits"));
+  EXPECT_THAT(html, ::testing::HasSubstr("\"Upper limit\""));
+  EXPECT_THAT(html, ::testing::Not(::testing::HasSubstr("Lower limit")));
+}
+
+TEST(Quality, ChartsCountLotsAndSensorsByTheirNumbers) {
+  const Population population =
+      fit_population(made_fleet(":memory:", {.sensors = 48, .lots = 12, .one_jumps = false}), {});
+  const Quality quality = quality_of(population, nullptr);
+  for (std::size_t place = 0; place < quality.order.size(); ++place) {
+    EXPECT_EQ(population.sensors[quality.order[place]].name, std::to_string(place));
+  }
+}
+
+TEST(ComesBefore, OrdersNamesByTheNumbersInThem) {
+  const std::vector<std::string> in_order{"",      "2026-9-30", "2026-11-02", "L1", "L2", "L2-9",
+                                          "L2-10", "L10",       "L010a",      "La", "M1"};
+  for (std::size_t i = 0; i < in_order.size(); ++i) {
+    for (std::size_t k = 0; k < in_order.size(); ++k) {
+      EXPECT_EQ(comes_before(in_order[i], in_order[k]), i < k) << in_order[i] << " " << in_order[k];
+    }
+  }
+  EXPECT_TRUE(comes_before("L01", "L1"));  // another name of the same number
+  EXPECT_FALSE(comes_before("L1", "L01"));
 }
 
 TEST(Quality, WithoutLimitsHasChartsAlone) {

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <sstream>
 #include <string>
 #include <string_view>
 
 #include "host_tests/support/simulated_rest.hpp"
+#include "host_tools/lib/identify/characterization_report.hpp"
 #include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::identify {
@@ -80,6 +83,30 @@ TEST(KalibrYaml, HoldsBothDensities) {
   expect_noise(number_after(file, "\ngyroscope_noise_density: "),
                number_after(file, "\ngyroscope_random_walk: "));
   EXPECT_NEAR(number_after(file, "\nupdate_rate: "), 104.17, 1e-3);
+}
+
+/// N and K as programs read them that know the curve alone, allan_variance_ros among them: off
+/// straight lines of the slopes -1/2 and 1/2, at 1 s and 3 s.
+TEST(AllanCsv, GivesTheNoiseOfTheFileByItsStraightLines) {
+  const Characterization result = characterize_made(
+      {.bias_instability_dph = 0.0, .rate_random_walk_dph_per_sqrt_h = 600.0}, 100'000);
+  const FilterNoise noise = FilterNoise::of(result);
+  std::istringstream csv{allan_csv(result)};
+  std::string line;
+  std::getline(csv, line);
+  double white = std::nan("");
+  double walk = std::nan("");
+  // The lines cross at 25 s: a tenth and ten times of that are one slope within half a per cent.
+  while (std::getline(csv, line)) {
+    double tau_s = 0.0;
+    double adev_dps = 0.0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%*[^,],%lf,%lf", &tau_s, &adev_dps), 2) << line;
+    if (tau_s <= 2.5) white = adev_dps * kRadPerDeg * std::sqrt(tau_s);
+    if (tau_s <= 250.0) walk = adev_dps * kRadPerDeg * std::sqrt(3.0 / tau_s);
+  }
+  // Four standard errors of some 4,000 and 40 independent differences.
+  EXPECT_NEAR(white / noise.white_rad_per_sqrt_s, 1.0, 4.0 / std::sqrt(2.0 * 4000.0));
+  EXPECT_NEAR(walk / noise.walk_rad_s_per_sqrt_s.value(), 1.0, 4.0 / std::sqrt(2.0 * 40.0));
 }
 
 TEST(GtsamPython, HoldsTheSquaresOfBothDensities) {
