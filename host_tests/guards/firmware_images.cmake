@@ -42,6 +42,10 @@ foreach(processor cortex-m7 cortex-m4f cortex-m0plus)
   set_tests_properties(guards.${processor}.images PROPERTIES
     FIXTURES_SETUP built_${processor})
 
+  if(processor STREQUAL "cortex-m0plus")
+    build_test(guards.${processor}.relatives "${images}" REQUIRES built_${processor} TARGETS zerorate-pico-relatives)
+    set_tests_properties(guards.${processor}.relatives PROPERTIES LABELS slow FIXTURES_SETUP built_relatives)
+  endif()
   if(processor STREQUAL "cortex-m7")
     continue()  # as far as the gates are concerned an M4F
   endif()
