@@ -13,7 +13,6 @@ namespace zerorate::hal::sim {
 namespace {
 
 using core::deg_per_s;
-constexpr core::Temperature kRoomTemperature = core::Temperature::from_degc(25.0F);
 
 class SimulatedLsm6dslTest : public ::testing::Test {
  protected:
@@ -32,7 +31,7 @@ class SimulatedLsm6dslTest : public ::testing::Test {
     constexpr float kDps = 0.875F;
     chip_.measure(
         {deg_per_s(times * kDps), deg_per_s(times * 2.0F * kDps), deg_per_s(times * 3.0F * kDps)},
-        kRoomTemperature);
+        core::Temperature::from_degc(25.0F));
   }
   unsigned level() {
     const unsigned low = chip_.read_register(0x3A);
