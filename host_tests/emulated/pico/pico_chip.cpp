@@ -5,9 +5,10 @@
 //
 //   m NS X Y Z C   a conversion of these rates [deg/s] at this temperature [degC]
 //   r NS ADDRESS   reads a register         w NS ADDRESS VALUE   writes one
-//   p NS           the reply that is on the wire next            f NS FRAME   exchanges a frame or
-//   word s NS           a chip of words is selected u NS ADDRESS BITS   flips bits of a register,
-//   as an upset does
+//   p NS           the reply that is on the wire next
+//   f NS FRAME     exchanges a frame, or a word
+//   s NS           selects a chip of words
+//   u NS ADDRESS BITS   flips bits of a register, as an upset does
 //
 // NS is the time. The answer: value, address that follows, level of the interrupt pin, whether it
 // had an edge since the last answer.
