@@ -220,12 +220,13 @@ bool OrderedRows::fills_a_hole(std::size_t later, std::size_t end) const {
   return static_cast<double>(rows) <= 1.5 * room + 8.0;
 }
 
-/// A clock set back, or a leap second, gives each stamp twice, in order. A buffer that is written
-/// twice has the same rates, too.
+/// A clock set back, or a leap second, gives each stamp twice, in order, and then goes on without a
+/// step. A buffer that is written twice has the same rates, too.
 bool OrderedRows::counts_again(std::size_t later, std::size_t end) const {
   const std::size_t late = end - judged_;
-  if (late <= kMostStray) return false;
+  if (late <= kMostStray || end == ahead_.size()) return false;
   const auto stamp = [&](std::size_t k) { return on_time_line(ahead_[k].row); };
+  if (stamp(end) - stamp(end - 1) > 2 * period_ns_) return false;
   for (std::size_t k = judged_ + 1; k < end; ++k) {
     if (stamp(k) <= stamp(k - 1)) return false;
   }
