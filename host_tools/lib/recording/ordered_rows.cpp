@@ -230,11 +230,11 @@ bool OrderedRows::counts_again(std::size_t later, std::size_t end) const {
   for (std::size_t k = judged_ + 1; k < end; ++k) {
     if (stamp(k) <= stamp(k - 1)) return false;
   }
+  const bool is_copy = later > begin_ && ahead_[later - 1].row.time_ns == stamp(judged_) &&
+                       ahead_[later - 1].row.rate_rad_s == ahead_[judged_].row.rate_rad_s;
+  if (is_copy) return false;
   std::size_t there = 0;
-  for (std::size_t k = later; k < judged_ && ahead_[k].row.time_ns <= stamp(end - 1); ++k) {
-    if (ahead_[k].row.rate_rad_s == ahead_[judged_].row.rate_rad_s) return false;
-    ++there;
-  }
+  for (std::size_t k = later; k < judged_ && ahead_[k].row.time_ns <= stamp(end - 1); ++k) ++there;
   return 4 * there >= 3 * late;
 }
 
