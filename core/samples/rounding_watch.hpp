@@ -56,8 +56,8 @@ struct Rounding {
 /// lie from the rate (docs/design/sample-model.md).
 ///
 /// The step is the least difference between two neighbouring samples, at rest and while driving. A
-/// smaller one counts once eight differences are below three quarters of the step before: a bit
-/// that flips on the bus makes one or two of any size.
+/// smaller step counts after eight differences below three quarters of the step before. One flipped
+/// bit on the bus makes one or two differences of any size.
 ///
 /// At rest, samples on two neighbouring levels with the variance v have a mean that is
 /// m = sqrt(step^2 / 4 - v) from the border between these levels, and the rate lies between the

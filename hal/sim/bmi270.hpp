@@ -26,8 +26,8 @@ namespace zerorate::hal::sim {
 /// that was loaded without a gap, such as config_file(); any other it reports as damaged.
 ///
 /// Not modelled: the switch from I2C to SPI, headers and sensor time of the FIFO, different rates
-/// of the sensors, filters, low-power modes, offsets, self-test, features of the file but for
-/// GYR_CAS, magnetometer, second interface, INT2.
+/// for gyro and accelerometer, filters, low-power modes, offsets, self-test, magnetometer, second
+/// interface, INT2. Of the features that the file brings only GYR_CAS is modelled.
 ///
 /// The chip has no oscillator of its own: each call of measure() is one conversion, at the time of
 /// the clock.
@@ -46,8 +46,8 @@ class SimulatedBmi270 : public SimulatedRegisters<128>, public SimulatedAccelero
   /// Bytes that were loaded into the chip since its reset, up to the first gap.
   [[nodiscard]] std::span<const std::uint8_t> loaded() const;
 
-  /// Lets x feel the rate about z, by 1/512 for each count, and GYR_CAS say so.
-  /// @param counts -64 to 63
+  /// Adds a share of the rate about z to the output of x, and stores it in GYR_CAS.
+  /// @param counts  share in 1/512, -64 to 63
   void set_cross_sensitivity(int counts) { cross_counts_ = counts; }
 
   /// One conversion: rounds to the LSB, clips, raises data-ready, fills the FIFO. Does nothing

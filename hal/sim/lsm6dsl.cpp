@@ -107,8 +107,7 @@ std::uint8_t SimulatedLsm6dsl::read_fifo(std::uint8_t address) {
 
 std::uint8_t SimulatedLsm6dsl::read_register(std::uint8_t address) {
   address &= 0x7FU;
-  const bool is_users = (registers_[0x01] & 0xC0U) == 0;
-  if (!is_users) return SimulatedLsm6dso::read_register(address);
+  if (shows_other_bank()) return SimulatedLsm6dso::read_register(address);
   switch (address) {
     case fifo_status1:
       return static_cast<std::uint8_t>(words_.size() & 0xFFU);
@@ -133,13 +132,12 @@ void SimulatedLsm6dsl::write_register(std::uint8_t address, std::uint8_t value) 
   const bool is_memory = (address >= 0x04 && address <= 0x06) || address == 0x1A;
   const bool is_reserved = address == 0x02 || address == 0x0C || address == 0x56 ||
                            address == 0x57 || (address >= 0x62 && address <= 0x72);
-  const bool is_users = (registers_[0x01] & 0xC0U) == 0;
-  if (is_users && is_reserved) {
-    ++reserved_writes_;
-  } else if (is_users && is_memory) {
-    registers_.at(address) = value;
-  } else {
+  if (shows_other_bank() || !(is_reserved || is_memory)) {
     SimulatedLsm6dso::write_register(address, value);
+  } else if (is_reserved) {
+    ++reserved_writes_;
+  } else {
+    registers_.at(address) = value;
   }
   if (is_resetting() || fifo_mode() == kBypass) clear_fifo();
   drive_watermark();

@@ -16,12 +16,12 @@
 namespace zerorate::hal::sim {
 
 /// The older LSM6DSL (DocID028475): its own addresses may be written, the oscillator has no trim
-/// register, and the FIFO has no tags. Its content has a pattern: for each conversion three words
-/// of the gyro, three of the accelerometer and three with the time stamp, each where it is
-/// switched on (FIFO_CTRL2 to 5).
+/// register, and the FIFO has no tags. A conversion adds three words with the rates, three with the
+/// accelerations and three with the time stamp, in this order. FIFO_CTRL2 to 5 switch each of the
+/// three groups on.
 ///
-/// Not modelled: a FIFO that takes a part of the conversions (any factor but 0 counts as 1) or one
-/// of the other modes than FIFO and continuous, sensors outside, steps.
+/// Not modelled: decimation into the FIFO (any factor but 0 counts as 1), FIFO modes but FIFO and
+/// continuous, external sensors, the step counter.
 class SimulatedLsm6dsl : public SimulatedLsm6dso {
  public:
   static constexpr std::string_view kName = "lsm6dsl";

@@ -247,9 +247,12 @@ core::Duration SimulatedLsm6dso::sample_period() const {
 
 /// Bank that FUNC_CFG_ACCESS shows in the place of the user's: of the embedded functions or of the
 /// sensor hub. Null: the user's.
-std::array<std::uint8_t, 128>* SimulatedLsm6dso::other_bank() {
-  const unsigned shown = registers_[func_cfg_access] >> 6U;
-  return shown == 0 ? nullptr : &other_banks_.at(shown == 1 ? 1 : 0);
+bool SimulatedLsm6dso::shows_other_bank() const {
+  return registers_[func_cfg_access] >> 6U != 0;
+}
+
+std::array<std::uint8_t, 128>& SimulatedLsm6dso::other_bank() {
+  return other_banks_.at(registers_[func_cfg_access] >> 6U == 1 ? 1 : 0);
 }
 
 std::uint32_t SimulatedLsm6dso::timestamp() const {
@@ -307,7 +310,7 @@ void SimulatedLsm6dso::push_tagged(unsigned sensor, const std::array<std::int16_
 
 std::uint8_t SimulatedLsm6dso::read_register(std::uint8_t address) {
   address &= 0x7FU;
-  if (address != func_cfg_access && other_bank() != nullptr) return other_bank()->at(address);
+  if (address != func_cfg_access && shows_other_bank()) return other_bank().at(address);
   std::uint8_t value = registers_[address];
   if (const auto data = read_data(address)) {
     value = *data;
@@ -338,8 +341,8 @@ void SimulatedLsm6dso::note_time_of(std::uint8_t address, std::uint8_t value) {
 void SimulatedLsm6dso::write_register(std::uint8_t address, std::uint8_t value) {
   address &= 0x7FU;
   if (is_resetting()) return;
-  if (address != func_cfg_access && other_bank() != nullptr) {
-    other_bank()->at(address) = value;
+  if (address != func_cfg_access && shows_other_bank()) {
+    other_bank().at(address) = value;
     return;
   }
   if (address == timestamp2 && value == 0xAA) timestamp_zero_ = clock_->now();

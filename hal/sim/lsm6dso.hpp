@@ -147,6 +147,8 @@ class SimulatedLsm6dso : public SimulatedStModule {
 
   /// Counts of 25 us since the time stamps were switched on or reset.
   [[nodiscard]] std::uint32_t timestamp() const;
+  /// Whether another bank than the chip's own registers is addressed (FUNC_CFG_ACCESS).
+  [[nodiscard]] bool shows_other_bank() const;
   /// Whether the newest conversion has an acceleration.
   [[nodiscard]] bool has_acceleration() const { return has_acceleration_; }
 
@@ -158,7 +160,7 @@ class SimulatedLsm6dso : public SimulatedStModule {
   void note_time_of(std::uint8_t address, std::uint8_t value);
   void batch();
   void push_tagged(unsigned sensor, const std::array<std::int16_t, 3>& values);
-  std::array<std::uint8_t, 128>* other_bank();
+  std::array<std::uint8_t, 128>& other_bank();
   [[nodiscard]] bool is_masked() const;
 
   std::int8_t trim_;

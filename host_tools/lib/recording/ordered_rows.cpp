@@ -202,6 +202,12 @@ std::size_t OrderedRows::first_later(std::int64_t time_ns) const {
   return first;
 }
 
+std::size_t OrderedRows::rows_until(std::int64_t time_ns, std::size_t first) const {
+  std::size_t end = first;
+  while (end < judged_ && ahead_[end].row.time_ns <= time_ns) ++end;
+  return end - first;
+}
+
 /// Late rows that were written between others would double the rows in their time.
 bool OrderedRows::fills_a_hole(std::size_t later, std::size_t end) const {
   const std::int64_t earliest_ns = earliest_until(end);
@@ -214,8 +220,7 @@ bool OrderedRows::fills_a_hole(std::size_t later, std::size_t end) const {
   const std::int64_t before_ns = later > begin_ ? ahead_[later - 1].row.time_ns : given_ns_;
   const bool goes_on = has_before && earliest_ns - before_ns <= longest_step_ns_;
   if (!goes_on && ahead_[later].row.time_ns - until_ns > longest_step_ns_) return false;
-  std::size_t rows = end - judged_;
-  for (std::size_t k = later; k < judged_; ++k) rows += ahead_[k].row.time_ns <= until_ns ? 1U : 0U;
+  const std::size_t rows = end - judged_ + rows_until(until_ns, later);
   const double room = static_cast<double>(until_ns - earliest_ns) / static_cast<double>(period_ns_);
   return static_cast<double>(rows) <= 1.5 * room + 8.0;
 }
@@ -232,10 +237,7 @@ bool OrderedRows::counts_again(std::size_t later, std::size_t end) const {
   }
   const bool is_copy = later > begin_ && ahead_[later - 1].row.time_ns == stamp(judged_) &&
                        ahead_[later - 1].row.rate_rad_s == ahead_[judged_].row.rate_rad_s;
-  if (is_copy) return false;
-  std::size_t there = 0;
-  for (std::size_t k = later; k < judged_ && ahead_[k].row.time_ns <= stamp(end - 1); ++k) ++there;
-  return 4 * there >= 3 * late;
+  return !is_copy && 4 * rows_until(stamp(end - 1), later) >= 3 * late;
 }
 
 bool OrderedRows::continues(std::int64_t from_ns, std::int64_t to_ns, std::size_t rows) const {

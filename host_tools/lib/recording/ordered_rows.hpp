@@ -67,6 +67,8 @@ class OrderedRows : public RowSource {
   [[nodiscard]] std::size_t end_of_late() const;
   /// First judged row that is later than this.
   [[nodiscard]] std::size_t first_later(std::int64_t time_ns) const;
+  /// Number of the judged rows from a place on that are not later than this.
+  [[nodiscard]] std::size_t rows_until(std::int64_t time_ns, std::size_t first) const;
   [[nodiscard]] bool fills_a_hole(std::size_t later, std::size_t end) const;
   [[nodiscard]] bool counts_again(std::size_t later, std::size_t end) const;
   [[nodiscard]] bool leave_out_stray(std::size_t later, std::size_t end);

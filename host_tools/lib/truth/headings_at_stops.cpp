@@ -12,7 +12,7 @@
 namespace zerorate::truth {
 namespace {
 
-/// Room for headings of a vehicle that begins to roll, which is below the limit of a stop no more.
+/// Time beside a stop in which a heading still belongs to it: the vehicle begins to roll.
 constexpr std::int64_t kBesideStop_ns = 1'000'000'000;
 
 using Rates = std::array<double, recording::kMaxAxes>;
@@ -30,19 +30,15 @@ Rates bias_at(const Stop& stop, const Track& track) {
       units::seconds(track.heading_rad.time_ns(last) - track.heading_rad.time_ns(first));
   Rates bias{};
   for (std::size_t axis = 0; axis < track.axis_count && length_s > 0.0; ++axis) {
-    bias[axis] = (track.turned_rad[last][axis] - track.turned_rad[first][axis]) / length_s;
+    bias[axis] = track.turn_rad(axis, first, last) / length_s;
   }
   return bias;
-}
-
-double turn_of(const Track& track, std::size_t axis, std::size_t k) {
-  return track.turned_rad[k][axis] - track.turned_rad[k - 1][axis];
 }
 
 double sum_of_turns(const Track& track, std::size_t axis) {
   double sum_rad = 0.0;
   for (std::size_t k = 1; k < track.turned_rad.size(); ++k)
-    sum_rad += std::abs(turn_of(track, axis, k));
+    sum_rad += std::abs(track.turn_rad(axis, k - 1, k));
   return sum_rad;
 }
 
@@ -51,8 +47,9 @@ double misfit(const Track& track, const VerticalAxis& vertical) {
   double squares = 0.0;
   for (std::size_t k = 1; k < track.turned_rad.size(); ++k) {
     const double by_reference = track.heading_rad.value(k) - track.heading_rad.value(k - 1);
-    const double apart_rad = std::remainder(
-        vertical.sign * turn_of(track, vertical.axis, k) - by_reference, 2.0 * std::numbers::pi);
+    const double apart_rad =
+        std::remainder(vertical.sign * track.turn_rad(vertical.axis, k - 1, k) - by_reference,
+                       2.0 * std::numbers::pi);
     squares += apart_rad * apart_rad;
   }
   return squares;
@@ -108,7 +105,6 @@ Track without_bias(const Track& track, const std::vector<Stop>& stops) {
 }
 
 std::optional<VerticalAxis> axis_of_net_turns(const Track& track) {
-  constexpr double kLeastTurn_rad = 30.0 * units::kRadPerDeg;
   VerticalAxis vertical{.axis = 0};
   double most_rad = 0.0;
   for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
@@ -117,7 +113,7 @@ std::optional<VerticalAxis> axis_of_net_turns(const Track& track) {
     most_rad = turns_rad;
     vertical.axis = axis;
   }
-  if (!(most_rad > kLeastTurn_rad)) return std::nullopt;
+  if (!(most_rad > kLeastTurns_rad)) return std::nullopt;
   VerticalAxis opposite = vertical;
   opposite.sign = -1.0;
   return misfit(track, opposite) < 0.5 * misfit(track, vertical) ? opposite : vertical;

@@ -26,7 +26,7 @@ void keep_stops_with_heading(const Series& heading_rad, std::vector<Stop>& stops
 /// The axis with the largest turns from heading to heading. It has the sense in which the headings
 /// fit better, and that of the axis where both fit.
 /// @param track without bias
-/// @return nullopt if no axis turns by more than 30 deg in all
+/// @return nullopt if no axis turns by more than kLeastTurns_rad
 [[nodiscard]] std::optional<VerticalAxis> axis_of_net_turns(const Track& track);
 
 }  // namespace zerorate::truth

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -52,6 +53,11 @@ struct Track {
   /// Integral of the gyro's axes up to each time of heading_rad [rad]; a lost rate counts as the
   /// one before.
   std::vector<std::array<double, recording::kMaxAxes>> turned_rad;
+
+  /// Turn of the gyro's axis from one heading to another [rad].
+  [[nodiscard]] double turn_rad(std::size_t axis, std::size_t from, std::size_t to) const {
+    return turned_rad[to][axis] - turned_rad[from][axis];
+  }
 };
 
 /// Reads a recording to its end. Rows whose time does not advance are left out. Two headings in

@@ -80,8 +80,7 @@ Series with_whole_turns(const Track& track, const VerticalAxis& vertical) {
   double missed_rad = 0.0;
   for (std::size_t k = 0; k < heading.size(); ++k) {
     if (k > 0) {
-      const double by_gyro = vertical.sign * (track.turned_rad[k][vertical.axis] -
-                                              track.turned_rad[k - 1][vertical.axis]);
+      const double by_gyro = vertical.sign * track.turn_rad(vertical.axis, k - 1, k);
       const double by_reference = heading.value(k) - heading.value(k - 1);
       missed_rad += kTurn_rad * std::round((by_gyro - by_reference) / kTurn_rad);
     }

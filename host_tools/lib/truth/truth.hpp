@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host_tools/lib/truth/track.hpp"
+#include "host_tools/lib/units/units.hpp"
 
 namespace zerorate::truth {
 
@@ -99,12 +100,15 @@ struct Truth {
 /// and at most 0.3 m/s, for kShortestStop_s.
 void find_stops(const Series& speed_m_s, Truth& truth);
 
+/// Turns in all, below which they do not determine the vertical axis.
+inline constexpr double kLeastTurns_rad = 30.0 * units::kRadPerDeg;
+
 /// The axis whose integral follows the reference's heading. The least squares over turns of at
 /// least a second must have a correlation of 0.7 and turns within 25 % of the reference's. Where no
 /// axis has, the turns in which axis and reference agree roughly must, and be most of all turns.
 /// Where none has even then, turns of 12 s are tried, for a reference that is late.
 /// The time in which an axis repeats one value does not count.
-/// @return nullopt if the reference turns by less than 30 deg in all
+/// @return nullopt if the reference turns by less than kLeastTurns_rad
 /// Throws recording::DataError if no axis does so.
 [[nodiscard]] std::optional<VerticalAxis> find_vertical_axis(const Track& track);
 

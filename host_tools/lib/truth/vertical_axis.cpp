@@ -39,7 +39,7 @@ std::vector<Turn> turns_of(const Track& track, std::int64_t least_ns) {
               .reference_rad = heading.value(k) - heading.value(first),
               .axes_rad = {}};
     for (std::size_t axis = 0; axis < track.axis_count; ++axis) {
-      turn.axes_rad[axis] = track.turned_rad[k][axis] - track.turned_rad[first][axis];
+      turn.axes_rad[axis] = track.turn_rad(axis, first, k);
     }
     turns.push_back(turn);
     first = k;
@@ -160,7 +160,6 @@ Candidates candidates_of(const Track& track, const std::vector<Turn>& turns) {
 }  // namespace
 
 std::optional<VerticalAxis> find_vertical_axis(const Track& track) {
-  constexpr double kLeastTurns_rad = 30.0 * kRadPerDeg;
   std::string candidates;
   for (const std::int64_t length_ns : kLengths_ns) {
     const std::vector<Turn> turns = turns_of(track, length_ns);

@@ -245,8 +245,7 @@ DriveDiagnosis diagnose_drives(const DriveRecord& given, model::SensorModel& mod
   if (given.has_headings_at_stops_only) {
     diagnosis.remarks.emplace_back(
         "The heading was measured at stops only. The gyro counted the whole turns between them, "
-        "and "
-        "faults and the delay of the reference were not looked for.");
+        "and faults and the delay of the reference were not looked for.");
   }
   const DriveRecord record = with_reference_by_scatter(given, diagnosis);
   const auto effects = make_motion_effects();

@@ -44,14 +44,18 @@ double error_of(const DrivePoint& point) {
   return point.error_rad;
 }
 
-const report::Axis kErrorAxis{"Heading error, gyro less reference", "deg"};
+report::Axis error_axis() {
+  return {"Heading error, gyro less reference", "deg"};
+}
 
 /// Errors over a figure of the drives, and what the causes explain of them.
 template <class Figure>
 report::Chart chart_over(const DriveDiagnosis& drives, std::string title, std::string caption,
                          report::Axis x, const Figure& figure) {
-  report::Chart chart{
-      .title = std::move(title), .caption = std::move(caption), .x = std::move(x), .y = kErrorAxis};
+  report::Chart chart{.title = std::move(title),
+                      .caption = std::move(caption),
+                      .x = std::move(x),
+                      .y = error_axis()};
   std::vector<DrivePoint> points = drives.points;
   std::ranges::sort(points, {}, figure);
   chart.series.push_back(dots("error", report::Colour::ink, points, figure, error_of));
@@ -77,7 +81,7 @@ report::Chart before_and_after(const DriveDiagnosis& drives) {
       .title = "Heading error drive by drive.",
       .caption = "Grey: where noise, bias and reference alone put 95 % of the drives.",
       .x = departures_from_first(drives),
-      .y = kErrorAxis};
+      .y = error_axis()};
   const auto departure = [](const DrivePoint& point) { return point.departure_s; };
   std::vector<DrivePoint> points = drives.points;
   std::ranges::sort(points, {}, departure);
@@ -162,21 +166,17 @@ std::string verdict_in_words(const DriveDiagnosis& drives) {
 }
 
 std::string causes_in_words(const DriveDiagnosis& drives) {
-  std::vector<std::string> names;
-  for (const Cause& cause : drives.causes) {
-    names.push_back(
-        fmt::format("{} ({:.0f} % sure)", plain_name(cause.effect), 100.0 * cause.probability));
-  }
-  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+  std::vector<const Cause*> causes;
+  for (const Cause& cause : drives.causes) causes.push_back(&cause);
+  return causes_in_words(causes);
 }
 
 std::string drift_in_words(const DriveDiagnosis& drives) {
   const DriveGain& gain = drives.gain;
   if (gain.held_out == 0) return {};
-  const std::string before = in_figures(gain.rms_before_deg.value);
-  const std::string after = in_figures(gain.rms_after_deg.value);
-  if (before == after) return fmt::format("{} deg rms over {} drives", before, gain.held_out);
-  return fmt::format("{} to {} deg rms over {} drives", before, after, gain.held_out);
+  return fmt::format("{} rms over {} drives",
+                     change_in_words(gain.rms_before_deg.value, gain.rms_after_deg.value),
+                     gain.held_out);
 }
 
 std::string in_words(const DriveDiagnosis& drives) {

@@ -31,8 +31,13 @@ namespace zerorate::diagnose {
 /// follow come last, the strongest first.
 [[nodiscard]] std::vector<const Cause*> causes_by_cost(const Diagnosis& diagnosis);
 
-/// The causes on one line: "rate random walk (99 %), quantization (100 %)"; "none" without any.
+/// The causes on one line: "rate random walk (99 % sure), quantization (100 % sure)"; "none"
+/// without any.
+[[nodiscard]] std::string causes_in_words(std::span<const Cause* const> causes);
 [[nodiscard]] std::string causes_in_words(const Diagnosis& diagnosis);
+
+/// An error before and after: "1.04 to 0.869 deg"; where both read the same, once.
+[[nodiscard]] std::string change_in_words(double before_deg, double after_deg);
 
 /// Heading drift before and after on one line: "1.04 to 0.869 deg in 94 s"; empty without drives.
 [[nodiscard]] std::string drift_in_words(const Diagnosis& diagnosis);

@@ -186,23 +186,32 @@ std::vector<const Cause*> causes_by_cost(const Diagnosis& diagnosis) {
   return causes;
 }
 
-std::string causes_in_words(const Diagnosis& diagnosis) {
+std::string causes_in_words(std::span<const Cause* const> causes) {
   std::vector<std::string> names;
-  for (const Cause* cause : causes_by_cost(diagnosis)) {
+  for (const Cause* cause : causes) {
     names.push_back(
         fmt::format("{} ({:.0f} % sure)", plain_name(cause->effect), 100.0 * cause->probability));
   }
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::string causes_in_words(const Diagnosis& diagnosis) {
+  return causes_in_words(causes_by_cost(diagnosis));
+}
+
+std::string change_in_words(double before_deg, double after_deg) {
+  const std::string before = in_figures(before_deg);
+  const std::string after = in_figures(after_deg);
+  return before == after ? before + " deg" : fmt::format("{} to {} deg", before, after);
+}
+
 std::string drift_in_words(const Diagnosis& diagnosis) {
   const Gain& gain = diagnosis.gain;
   if (!gain.has_drives()) return {};
-  const std::string base = in_figures(gain.heading_drift_base_deg.value);
-  const std::string extended = in_figures(gain.heading_drift_extended_deg.value);
-  const std::string drive_s = in_figures(gain.drive_s, 2);
-  if (base == extended) return fmt::format("{} deg in {} s", base, drive_s);
-  return fmt::format("{} to {} deg in {} s", base, extended, drive_s);
+  return fmt::format(
+      "{} in {} s",
+      change_in_words(gain.heading_drift_base_deg.value, gain.heading_drift_extended_deg.value),
+      in_figures(gain.drive_s, 2));
 }
 
 std::string p_value_in_words(double p) {
